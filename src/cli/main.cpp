@@ -1,0 +1,21 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+
+#include "cli/commands.h"
+
+// Exit codes: 0 the work was done; 1 it was not, one line on standard error says why; 2 the call was wrong.
+int main(int argc, char** argv) {
+  CLI::App app{"Digital twin of a single-wheel test rig. `twin COMMAND --help` shows an example of each command."};
+  app.require_subcommand(1);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "twin: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
