@@ -14,7 +14,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
 
   const std::string& path() const { return temporary_; }  ///< write here
-  void commit();                                           ///< throws Error when the rename fails
+  void commit();                                          ///< throws Error when the rename fails
 
  private:
   std::string target_;

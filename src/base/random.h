@@ -1,5 +1,6 @@
 // Random numbers that depend on the seed alone: the same bits on every compiler, thread count and machine.
-// xoshiro256++ (Blackman and Vigna, 2021) seeded by splitmix64; normal deviates by the polar method (Marsaglia, 1964).
+// xoshiro256++ (Blackman and Vigna, 2021) seeded by splitmix64; normal deviates by the polar method
+// (Marsaglia, 1964).
 #pragma once
 
 #include <array>

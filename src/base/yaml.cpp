@@ -23,11 +23,14 @@ std::string where(const std::string& file, const YAML::Mark& mark) {
 }
 
 std::string scalar(const YAML::Node& node, const std::string& file, const std::string& key) {
-  if (!node.IsScalar()) refuse(file, node.Mark(), key, node.IsNull() ? "has no value" : "a single value is expected");
+  if (!node.IsScalar())
+    refuse(file, node.Mark(), key, node.IsNull() ? "has no value" : "a single value is expected");
   return node.Scalar();
 }
 
-bool is_quoted(const YAML::Node& node) { return node.Tag() == "!"; }
+bool is_quoted(const YAML::Node& node) {
+  return node.Tag() == "!";
+}
 
 bool has_leading_zero(std::string_view text) {
   if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
@@ -36,9 +39,11 @@ bool has_leading_zero(std::string_view text) {
 
 double to_number(const YAML::Node& node, const std::string& file, const std::string& key, Range range) {
   const std::string text = scalar(node, file, key);
-  if (is_quoted(node)) refuse(file, node.Mark(), key, fmt::format("a number is expected, '{}' is quoted text", text));
+  if (is_quoted(node))
+    refuse(file, node.Mark(), key, fmt::format("a number is expected, '{}' is quoted text", text));
   if (has_leading_zero(text))
-    refuse(file, node.Mark(), key, fmt::format("'{}' is octal in YAML and decimal to a person: drop the zero", text));
+    refuse(file, node.Mark(), key,
+           fmt::format("'{}' is octal in YAML and decimal to a person: drop the zero", text));
   const char* begin = text.data();
   const char* end = begin + text.size();
   if (begin != end && *begin == '+') ++begin;
@@ -54,17 +59,20 @@ double to_number(const YAML::Node& node, const std::string& file, const std::str
       bounds = fmt::format("at least {}", range.minimum);
     if (std::isfinite(range.maximum) && range.maximum < std::numeric_limits<double>::max())
       bounds += fmt::format("{}at most {}", bounds.empty() ? "" : " and ", range.maximum);
-    refuse(file, node.Mark(), key, fmt::format("{} is out of range: {}", text, bounds.empty() ? "finite" : bounds));
+    refuse(file, node.Mark(), key,
+           fmt::format("{} is out of range: {}", text, bounds.empty() ? "finite" : bounds));
   }
   return value;
 }
 
-std::int64_t to_integer(const YAML::Node& node, const std::string& file, const std::string& key, std::int64_t minimum,
-                        std::int64_t maximum) {
+std::int64_t to_integer(const YAML::Node& node, const std::string& file, const std::string& key,
+                        std::int64_t minimum, std::int64_t maximum) {
   const std::string text = scalar(node, file, key);
-  if (is_quoted(node)) refuse(file, node.Mark(), key, fmt::format("an integer is expected, '{}' is quoted", text));
+  if (is_quoted(node))
+    refuse(file, node.Mark(), key, fmt::format("an integer is expected, '{}' is quoted", text));
   if (has_leading_zero(text))
-    refuse(file, node.Mark(), key, fmt::format("'{}' is octal in YAML and decimal to a person: drop the zero", text));
+    refuse(file, node.Mark(), key,
+           fmt::format("'{}' is octal in YAML and decimal to a person: drop the zero", text));
   std::int64_t value = 0;
   const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (code != std::errc() || stop != text.data() + text.size())
@@ -128,7 +136,8 @@ struct List::Impl {
 };
 
 bool Map::has(const std::string& key) const {
-  return std::any_of(impl_->entries.begin(), impl_->entries.end(), [&](const auto& e) { return e.first == key; });
+  return std::any_of(impl_->entries.begin(), impl_->entries.end(),
+                     [&](const auto& e) { return e.first == key; });
 }
 
 bool Map::is_null(const std::string& key) const {
@@ -136,8 +145,12 @@ bool Map::is_null(const std::string& key) const {
   return node != nullptr && node->IsNull();
 }
 
-bool Map::is_map(const std::string& key) const { return has(key) && impl_->find(key)->IsMap(); }
-bool Map::is_list(const std::string& key) const { return has(key) && impl_->find(key)->IsSequence(); }
+bool Map::is_map(const std::string& key) const {
+  return has(key) && impl_->find(key)->IsMap();
+}
+bool Map::is_list(const std::string& key) const {
+  return has(key) && impl_->find(key)->IsSequence();
+}
 
 std::vector<std::string> Map::keys() const {
   std::vector<std::string> names;
@@ -175,9 +188,13 @@ bool Map::boolean(const std::string& key) const {
   refuse(impl_->file, node.Mark(), impl_->name(key), fmt::format("write true or false, not '{}'", text));
 }
 
-bool Map::boolean_or(const std::string& key, bool fallback) const { return has(key) ? boolean(key) : fallback; }
+bool Map::boolean_or(const std::string& key, bool fallback) const {
+  return has(key) ? boolean(key) : fallback;
+}
 
-std::string Map::text(const std::string& key) const { return to_text(impl_->get(key), impl_->file, impl_->name(key)); }
+std::string Map::text(const std::string& key) const {
+  return to_text(impl_->get(key), impl_->file, impl_->name(key));
+}
 
 std::string Map::text_or(const std::string& key, const std::string& fallback) const {
   return has(key) ? text(key) : fallback;
@@ -209,7 +226,9 @@ List Map::list(const std::string& key) const {
   return List(std::move(impl));
 }
 
-void Map::skip(const std::string& key) const { impl_->find(key); }
+void Map::skip(const std::string& key) const {
+  impl_->find(key);
+}
 
 void Map::finish() const {
   for (const auto& entry : impl_->entries)
@@ -222,9 +241,13 @@ void Map::fail(const std::string& key, const std::string& message) const {
   refuse(impl_->file, node != nullptr ? node->Mark() : impl_->node.Mark(), impl_->name(key), message);
 }
 
-const std::string& Map::file() const { return impl_->file; }
+const std::string& Map::file() const {
+  return impl_->file;
+}
 
-std::size_t List::size() const { return impl_->node.size(); }
+std::size_t List::size() const {
+  return impl_->node.size();
+}
 
 Map List::map(std::size_t index) const {
   return Map(std::make_shared<Map::Impl>(impl_->file, impl_->name(index), impl_->node[index]));

@@ -1,6 +1,6 @@
-// Strict reading of YAML: every key is known, present once, of the right type and in range, or the error names
-// file, line and key. Avoids YAML's traps: `010` (octal), `on` (boolean), doubled keys, empty values, quoted numbers.
-// A key is consumed by reading it; finish() refuses the keys that nobody read.
+// Strict reading of YAML: every key is known, present once, of the right type and in range, or the error
+// names file, line and key. Avoids YAML's traps: `010` (octal), `on` (boolean), doubled keys, empty values,
+// quoted numbers. A key is consumed by reading it; finish() refuses the keys that nobody read.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,12 @@ struct Range {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
 };
-inline Range positive() { return {std::numeric_limits<double>::min(), std::numeric_limits<double>::max()}; }
-inline Range non_negative() { return {0.0, std::numeric_limits<double>::max()}; }
+inline Range positive() {
+  return {std::numeric_limits<double>::min(), std::numeric_limits<double>::max()};
+}
+inline Range non_negative() {
+  return {0.0, std::numeric_limits<double>::max()};
+}
 
 class List;
 
@@ -38,7 +42,8 @@ class Map {
   double number_or(const std::string& key, double fallback, Range range = {}) const;
   /// `null` and absence give nothing.
   std::optional<double> optional_number(const std::string& key, Range range = {}) const;
-  std::int64_t integer(const std::string& key, std::int64_t minimum = std::numeric_limits<std::int64_t>::min(),
+  std::int64_t integer(const std::string& key,
+                       std::int64_t minimum = std::numeric_limits<std::int64_t>::min(),
                        std::int64_t maximum = std::numeric_limits<std::int64_t>::max()) const;
   std::int64_t integer_or(const std::string& key, std::int64_t fallback,
                           std::int64_t minimum = std::numeric_limits<std::int64_t>::min(),
@@ -47,7 +52,8 @@ class Map {
   bool boolean_or(const std::string& key, bool fallback) const;
   std::string text(const std::string& key) const;
   std::string text_or(const std::string& key, const std::string& fallback) const;
-  std::vector<double> numbers(const std::string& key, Range range = {}) const;  ///< a list of numbers, any length
+  std::vector<double> numbers(const std::string& key,
+                              Range range = {}) const;  ///< a list of numbers, any length
   Map map(const std::string& key) const;
   std::optional<Map> optional_map(const std::string& key) const;
   List list(const std::string& key) const;
@@ -55,7 +61,8 @@ class Map {
   void skip(const std::string& key) const;  ///< accept a key that another layer reads
   void finish() const;                      ///< refuse keys that nobody read
 
-  /// "file:line: key: message" for errors about a value that was read but makes no sense together with others.
+  /// "file:line: key: message" for errors about a value that was read but makes no sense together with
+  /// others.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
   const std::string& file() const;
 

@@ -7,7 +7,8 @@
 
 // Exit codes: 0 the work was done; 1 it was not, one line on standard error says why; 2 the call was wrong.
 int main(int argc, char** argv) {
-  CLI::App app{"Digital twin of a single-wheel test rig. `twin COMMAND --help` shows an example of each command."};
+  CLI::App app{
+      "Digital twin of a single-wheel test rig. `twin COMMAND --help` shows an example of each command."};
   app.require_subcommand(1);
   try {
     app.parse(argc, argv);

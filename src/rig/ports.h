@@ -1,6 +1,6 @@
-// Where something may act on soil, wheel, rig and sensors. None of them knows what acts: an effect implements the
-// ports that it needs, everything else keeps the neutral default. One object may implement several.
-// A port that acts in the high-fidelity co-simulation as well is used there by the same calls.
+// Where something may act on soil, wheel, rig and sensors. None of them knows what acts: an effect implements
+// the ports that it needs, everything else keeps the neutral default. One object may implement several. A
+// port that acts in the high-fidelity co-simulation as well is used there by the same calls.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,17 @@ namespace wheel_twin::rig {
 
 /// Where in the run a port is asked.
 struct RigState {
-  double time = 0.0;               ///< s from the start of the run
-  double x = 0.0;                  ///< carriage position from the start of the run, m
-  double carriage_speed = 0.0;     ///< m/s
-  double wheel_angle = 0.0;        ///< rad, as logged
-  double wheel_rate = 0.0;         ///< rad/s
-  double rim_travel = 0.0;         ///< m, integral of radius times |rate| since first touch
-  double slip = 0.0;               ///< -1 to 1
-  double hub_displacement = 0.0;   ///< true, m, positive down
-  double slide_velocity = 0.0;     ///< m/s, positive up
-  double steering_angle = 0.0;     ///< rad, commanded
-  double temperature = 22.0;       ///< degrees C
+  double time = 0.0;              ///< s from the start of the run
+  double x = 0.0;                 ///< carriage position from the start of the run, m
+  double carriage_speed = 0.0;    ///< m/s
+  double wheel_angle = 0.0;       ///< rad, as logged
+  double wheel_rate = 0.0;        ///< rad/s
+  double rim_travel = 0.0;        ///< m, integral of radius times |rate| since first touch
+  double slip = 0.0;              ///< -1 to 1
+  double hub_displacement = 0.0;  ///< true, m, positive down
+  double slide_velocity = 0.0;    ///< m/s, positive up
+  double steering_angle = 0.0;    ///< rad, commanded
+  double temperature = 22.0;      ///< degrees C
 };
 
 class SoilPort {
@@ -28,33 +28,39 @@ class SoilPort {
   virtual ~SoilPort() = default;
   /// Factor on the pressure of the pressure-sinkage law at depth z (m) below the undisturbed surface.
   virtual double stiffness_factor(const RigState&, double /*depth*/) const { return 1.0; }
-  virtual double added_cohesion(const RigState&) const { return 0.0; }        ///< Pa
+  virtual double added_cohesion(const RigState&) const { return 0.0; }  ///< Pa
   /// Sinkage of the undisturbed law times this.
   virtual double sinkage_factor(const RigState&) const { return 1.0; }
   /// Force of the soil on the hub beside the contact law's own (an obstacle), rig axes, N.
-  virtual Eigen::Vector3d added_force(const RigState&, double /*normal_load*/) const { return Eigen::Vector3d::Zero(); }
-  virtual double surface_slope(const RigState&) const { return 0.0; }         ///< rad, rising along x when positive
+  virtual Eigen::Vector3d added_force(const RigState&, double /*normal_load*/) const {
+    return Eigen::Vector3d::Zero();
+  }
+  virtual double surface_slope(const RigState&) const { return 0.0; }  ///< rad, rising along x when positive
 };
 
 class WheelPort {
  public:
   virtual ~WheelPort() = default;
-  virtual double hub_rise(const RigState&) const { return 0.0; }              ///< hub lifted over the ideal wheel, m
-  virtual double rolling_resistance(const RigState&) const { return 0.0; }    ///< N off the drawbar pull while rolling
+  virtual double hub_rise(const RigState&) const { return 0.0; }  ///< hub lifted over the ideal wheel, m
+  virtual double rolling_resistance(const RigState&) const {
+    return 0.0;
+  }  ///< N off the drawbar pull while rolling
 };
 
 class RigPort {
  public:
   virtual ~RigPort() = default;
-  virtual double added_dead_weight(const RigState&) const { return 0.0; }     ///< N, down
-  virtual double coulomb_friction(const RigState&) const { return 0.0; }      ///< N in the vertical guide, at least 0
-  virtual double speed_factor(const RigState&) const { return 1.0; }          ///< true carriage speed over logged
-  virtual double added_steering(const RigState&) const { return 0.0; }        ///< rad, wheel turned left
-  virtual double motor_drag(const RigState&) const { return 0.0; }            ///< N m, seen by the motor only
+  virtual double added_dead_weight(const RigState&) const { return 0.0; }  ///< N, down
+  virtual double coulomb_friction(const RigState&) const {
+    return 0.0;
+  }                                                                   ///< N in the vertical guide, at least 0
+  virtual double speed_factor(const RigState&) const { return 1.0; }  ///< true carriage speed over logged
+  virtual double added_steering(const RigState&) const { return 0.0; }  ///< rad, wheel turned left
+  virtual double motor_drag(const RigState&) const { return 0.0; }      ///< N m, seen by the motor only
 };
 
-/// Changes of readings. Called in the order of the effects; the reading is what the sensor would log before its own
-/// noise, resolution and filter.
+/// Changes of readings. Called in the order of the effects; the reading is what the sensor would log before
+/// its own noise, resolution and filter.
 struct WrenchReading {
   Eigen::Vector3d force{0.0, 0.0, 0.0};
   Eigen::Vector3d torque{0.0, 0.0, 0.0};
@@ -65,7 +71,7 @@ class SensorPort {
   virtual ~SensorPort() = default;
   virtual void change_wrench(const RigState&, WrenchReading&) const {}
   virtual void change_displacement(const RigState&, double /*normal_load*/, double& /*displacement*/) const {}
-  virtual double draw_wire_delay() const { return 0.0; }                      ///< s added to the draw-wire stamps
+  virtual double draw_wire_delay() const { return 0.0; }  ///< s added to the draw-wire stamps
 };
 
 /// What acts on a run; pointers are not owned.

@@ -1,7 +1,7 @@
-// The log of one run in memory, without ROS: what a bag of a rig holds (topics of the same content). SI units.
-// Frames and signs: drawbar pull is +Fx, normal load +Fz (the soil pushes the wheel up), to the left +Fy; hub
-// displacement is positive down from first touch of the undisturbed soil. Times are header stamps, in seconds since
-// `epoch`, each series in the order in which it was recorded.
+// The log of one run in memory, without ROS: what a bag of a rig holds (topics of the same content). SI
+// units. Frames and signs: drawbar pull is +Fx, normal load +Fz (the soil pushes the wheel up), to the left
+// +Fy; hub displacement is positive down from first touch of the undisturbed soil. Times are header stamps,
+// in seconds since `epoch`, each series in the order in which it was recorded.
 #pragma once
 
 #include <Eigen/Core>
@@ -32,7 +32,7 @@ struct JointSeries {
 struct RunLog {
   double epoch = 0.0;  ///< ROS time of time 0, s; above 0
   WrenchSeries ft;
-  ScalarSeries draw_wire;    ///< m, positive down
+  ScalarSeries draw_wire;  ///< m, positive down
   JointSeries joints;
   ScalarSeries temperature;  ///< degrees C; empty when not logged
 };

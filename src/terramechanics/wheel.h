@@ -17,8 +17,8 @@ struct Wheel {
   std::optional<double> stiffness;  ///< hub load over hub deflection on hard ground, N/m; none: rigid
 };
 
-/// Keys as the members, `stiffness: null` for a rigid wheel. The key `multibody` belongs to the flexible wheel and is
-/// skipped. Refuses unknown keys.
+/// Keys as the members, `stiffness: null` for a rigid wheel. The key `multibody` belongs to the flexible
+/// wheel and is skipped. Refuses unknown keys.
 Wheel read_wheel(const yaml::Map& map);
 
 }  // namespace wheel_twin::terramechanics

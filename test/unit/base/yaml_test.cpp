@@ -11,7 +11,9 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-Map parse(const std::string& text) { return parse_text(text, "a.yaml"); }
+Map parse(const std::string& text) {
+  return parse_text(text, "a.yaml");
+}
 
 template <typename Action>
 std::string message_of(Action action) {
@@ -35,7 +37,8 @@ TEST(Yaml, ReadsNumbersAsAPersonWould) {
 TEST(Yaml, NamesFileLineAndKey) {
   const Map map = parse("a: 1\nb: {c: x}\n");
   EXPECT_THAT(message_of([&] { map.map("b").number("c"); }), AllOf(HasSubstr("a.yaml:2"), HasSubstr("b.c")));
-  EXPECT_THAT(message_of([&] { map.number("z"); }), AllOf(HasSubstr("a.yaml"), HasSubstr("z"), HasSubstr("missing")));
+  EXPECT_THAT(message_of([&] { map.number("z"); }),
+              AllOf(HasSubstr("a.yaml"), HasSubstr("z"), HasSubstr("missing")));
 }
 
 TEST(Yaml, RefusesOctalLookalikes) {
@@ -51,7 +54,8 @@ TEST(Yaml, RefusesBooleansOtherThanTrueAndFalse) {
 }
 
 TEST(Yaml, RefusesDoubledKeysEmptyValuesAndQuotedNumbers) {
-  EXPECT_THAT(message_of([] { parse("a: 1\na: 2"); }), AllOf(HasSubstr("a.yaml:2"), HasSubstr("second time")));
+  EXPECT_THAT(message_of([] { parse("a: 1\na: 2"); }),
+              AllOf(HasSubstr("a.yaml:2"), HasSubstr("second time")));
   EXPECT_THAT(message_of([] { parse("a:").number("a"); }), HasSubstr("no value"));
   EXPECT_THAT(message_of([] { parse("a: ''").text("a"); }), HasSubstr("empty"));
   EXPECT_THAT(message_of([] { parse("a: '12'").number("a"); }), HasSubstr("quoted"));
