@@ -8,7 +8,7 @@
 
 namespace wheel_twin::rig {
 
-/// Where in the run a port is asked.
+/// Where in the run a port is asked: the true state, except the wheel angle, which has the encoder's origin.
 struct RigState {
   double time = 0.0;              ///< s from the start of the run
   double x = 0.0;                 ///< carriage position from the start of the run, m
@@ -16,7 +16,7 @@ struct RigState {
   double wheel_angle = 0.0;       ///< rad, as logged
   double wheel_rate = 0.0;        ///< rad/s
   double rim_travel = 0.0;        ///< m, integral of radius times |rate| since first touch
-  double slip = 0.0;              ///< -1 to 1
+  double slip = 0.0;              ///< -1 to 1, `slip_ratio` of carriage speed and rim speed
   double hub_displacement = 0.0;  ///< true, m, positive down
   double slide_velocity = 0.0;    ///< m/s, positive up
   double steering_angle = 0.0;    ///< rad, commanded
@@ -71,6 +71,7 @@ class SensorPort {
   virtual ~SensorPort() = default;
   virtual void change_wrench(const RigState&, WrenchReading&) const {}
   virtual void change_displacement(const RigState&, double /*normal_load*/, double& /*displacement*/) const {}
+  virtual void change_motor_effort(const RigState&, double& /*effort, N m*/) const {}
   virtual double draw_wire_delay() const { return 0.0; }  ///< s added to the draw-wire stamps
 };
 
