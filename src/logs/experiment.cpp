@@ -44,13 +44,14 @@ Averages read_averages(const yaml::Map& map) {
   averages.window_start = window[0];
   averages.window_end = window[1];
   averages.drawbar_pull = read_average(map, "drawbar_pull");
-  averages.lateral_force = read_average(map, "lateral_force");
+  averages.side_force = read_average(map, "side_force");
   averages.normal_load = read_average(map, "normal_load");
   averages.hub_displacement = read_average(map, "hub_displacement");
-  averages.motor_torque = read_average(map, "motor_torque");
+  averages.pitch_torque = read_average(map, "pitch_torque");
+  averages.motor_effort = read_average(map, "motor_effort");
   map.finish();
-  if (!averages.drawbar_pull && !averages.lateral_force && !averages.normal_load &&
-      !averages.hub_displacement && !averages.motor_torque)
+  if (!averages.drawbar_pull && !averages.side_force && !averages.normal_load && !averages.hub_displacement &&
+      !averages.pitch_torque && !averages.motor_effort)
     map.fail("window", "no channel is averaged over it");
   return averages;
 }
@@ -196,10 +197,11 @@ std::string averages_text(const Averages& averages) {
     text += "}";
   };
   channel("drawbar_pull", averages.drawbar_pull);
-  channel("lateral_force", averages.lateral_force);
+  channel("side_force", averages.side_force);
   channel("normal_load", averages.normal_load);
   channel("hub_displacement", averages.hub_displacement);
-  channel("motor_torque", averages.motor_torque);
+  channel("pitch_torque", averages.pitch_torque);
+  channel("motor_effort", averages.motor_effort);
   return text + "}";
 }
 

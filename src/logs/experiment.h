@@ -22,10 +22,11 @@ struct Averages {
   double window_start = 0.0;                ///< s from the start of the run
   double window_end = 0.0;                  ///< s, after window_start
   std::optional<Average> drawbar_pull;      ///< N
-  std::optional<Average> lateral_force;     ///< N, to the left
+  std::optional<Average> side_force;        ///< N, to the left
   std::optional<Average> normal_load;       ///< N
   std::optional<Average> hub_displacement;  ///< m, positive down
-  std::optional<Average> motor_torque;      ///< N m
+  std::optional<Average> pitch_torque;      ///< about the sensor's y axis, N m
+  std::optional<Average> motor_effort;      ///< N m
 };
 
 enum class Role {

@@ -61,7 +61,7 @@ TEST_F(ExperimentFile, ReadsTheDocumentedForm) {
   EXPECT_EQ(e.runs[1].group, "2020-12-05");
   EXPECT_EQ(e.runs[1].averages->window_end, 75.53);
   EXPECT_EQ(e.runs[1].averages->hub_displacement->std, 1e-5);
-  EXPECT_FALSE(e.runs[1].averages->lateral_force);
+  EXPECT_FALSE(e.runs[1].averages->side_force);
 }
 
 TEST_F(ExperimentFile, WritesWhatItReads) {
