@@ -82,8 +82,10 @@ TEST_F(ExperimentFile, WritesWhatItReads) {
   measured.slip = -0.1;
   measured.load = 1e5;
   measured.wheel_speed = 1e-7;
-  measured.averages =
-      Averages{1.0, 2.5, Average{1.0 / 3.0, std::nullopt}, std::nullopt, std::nullopt, std::nullopt, {}};
+  measured.averages.emplace();
+  measured.averages->window_start = 1.0;
+  measured.averages->window_end = 2.5;
+  measured.averages->drawbar_pull = Average{1.0 / 3.0, std::nullopt};
   e.runs = {measured};
   PlateTest plate;
   plate.csv = "plate.csv";
