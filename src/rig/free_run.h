@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "rig/instruments.h"
@@ -26,22 +28,23 @@ class FreeRun {
  public:
   /// `contact` and what `ports` point to must outlive the run. Throws Error on impossible settings.
   FreeRun(const RunSettings& settings, Contact& contact, const Ports& ports);
+  ~FreeRun();
+  FreeRun(FreeRun&&) noexcept;
 
-  bool done() const { return time_ >= timeline_.end; }
-  double time() const { return time_; }  ///< s from the start of the run
-  const Timeline& timeline() const { return timeline_; }
-  const RigStep& advance();  ///< one step
-  void stop();               ///< ramps down from here and ends, as a person presses stop
-  run_log::RunLog take_log() { return instruments_.take(); }  ///< what was logged since the last call
+  bool done() const;
+  double time() const;  ///< s from the start of the run
+  /// Expected end, s; known once the soil carries the load, before that with the deepest lowering.
+  double expected_end() const;
+  /// Nothing until the soil carries the load.
+  const std::optional<Timeline>& timeline() const;
+  const RigStep& advance();     ///< one step, taken note of by the sensors
+  const RigStep& step() const;  ///< the last one
+  void stop();                  ///< ramps down from here and ends, as a person presses stop
+  run_log::RunLog take_log();   ///< what was logged since the last call
 
  private:
-  RunSettings settings_;
-  Speeds speeds_;
-  Timeline timeline_;
-  Rig rig_;
-  Instruments instruments_;
-  double time_ = 0.0;
-  std::uint64_t steps_ = 0;
+  class Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Means over the steady part of a run, without noise: what a summary prints.

@@ -12,16 +12,16 @@ struct RunProfile {
   double lowering_speed = 0.01;  ///< the hoist pays out, m/s; it never pushes
   double dwell = 1.0;            ///< at rest after the load has been handed over, s
   double ramp = 0.1;             ///< of both speeds, s
-  double travel = 0.7;  ///< of the faster of rim and carriage in the steady part, m; 0: by time alone
-  double longest_steady = 60.0;  ///< s
+  double travel = 0.7;           ///< of the carriage in the steady part, m; 0: by time alone
+  double longest_steady = 62.0;  ///< s
   double rest = 1.0;             ///< after the ramp down, s
 };
 
 RunProfile read_profile(const yaml::Map& map);
 
-/// When things happen in a run, s from its start.
+/// When things happen in a run, s from its start. The soil carries the load from `handed_over` on.
 struct Timeline {
-  double hand_over = 0.0;  ///< lowered; the hoist is slack and unhooked from here
+  double handed_over = 0.0;
   double ramp_up = 0.0;
   double steady = 0.0;
   double ramp_down = 0.0;
@@ -29,8 +29,8 @@ struct Timeline {
   double end = 0.0;
 };
 
-/// `deepest` bounds the static sinkage, m: the hoist pays out for clearance + deepest.
-Timeline timeline(const RunProfile& profile, const Speeds& speeds, double radius, double deepest);
+/// The course of a run whose load was handed over to the soil at `handed_over`.
+Timeline timeline(const RunProfile& profile, const Speeds& speeds, double handed_over);
 
 /// Share of the full speeds commanded at `time`: 0, ramps, 1.
 double speed_share(const Timeline& timeline, double time);

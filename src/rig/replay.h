@@ -28,7 +28,8 @@ class Replay {
 
   /// The readings at `motion.time`. Throws Error when time does not increase.
   const RigStep& update(const MeasuredMotion& motion);
-  /// After a jump of the clock, backward or forward: goes on from the present state at the new time.
+  /// After a jump of the clock, backward or forward: `time` (new clock) is where the last sample stood in the
+  /// old one; the next sample must be later. The state stays.
   void rebase(double time);
   const RigStep& step() const { return rig_.step(); }
   double draw_wire_delay() const { return rig_.draw_wire_delay(); }
@@ -41,6 +42,8 @@ class Replay {
   ReplayOptions options_;
   std::optional<MeasuredMotion> last_;  // in the clock of the rig
   double clock_offset_ = 0.0;           // rig time minus sample time, s
+  bool rebase_pending_ = false;
+  double rebase_time_ = 0.0;
 };
 
 using MotionSeries = std::vector<MeasuredMotion>;

@@ -49,12 +49,11 @@ class Rig {
   ~Rig();
   Rig(Rig&&) noexcept;
 
-  /// Places the hub at rest `displacement` below first touch (negative: above).
-  const RigStep& start(double displacement);
-  /// Places the hub in static equilibrium on the soil. Needs a repeatable contact.
-  const RigStep& start_settled();
+  /// Places the hub at rest `displacement` below first touch (negative: above), or in static equilibrium on
+  /// the soil, which needs a repeatable contact.
+  const RigStep& start(std::optional<double> displacement);
   /// The same at the first sample of a measured motion.
-  const RigStep& start_settled(const MeasuredMotion& motion);
+  const RigStep& start(const MeasuredMotion& motion, std::optional<double> displacement);
 
   /// One step of dt seconds, free.
   const RigStep& advance(const Command& command, double dt);

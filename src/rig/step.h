@@ -32,6 +32,7 @@ struct RigStep {
   HubMotion motion;          ///< true pose of the hub
   HubLoad load;              ///< true force on the hub
   double friction = 0.0;     ///< of the vertical guide on the slide, N, positive up
+  bool hoist_taut = false;   ///< the rope still carries part of the weight
   double dead_weight = 0.0;  ///< weight the soil carries at rest without friction, N
   Readings readings;
 };
