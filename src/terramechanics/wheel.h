@@ -15,6 +15,7 @@ struct Wheel {
   int grousers = 0;                 ///< count around the rim
   double grouser_height = 0.0;      ///< m
   std::optional<double> stiffness;  ///< hub load over hub deflection on hard ground, N/m; none: rigid
+  double flexing_resistance = 0.0;  ///< R_f of the paper, N off the drawbar pull while rolling
 };
 
 /// Keys as the members, `stiffness: null` for a rigid wheel. The key `multibody` belongs to the flexible
