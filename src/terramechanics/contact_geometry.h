@@ -1,7 +1,9 @@
-// Where wheel and soil touch: entry, exit and deflection angles of a wheel with a flat patch (paper, Section 2, Figure 1).
-// Angles from the vertical through the hub, positive ahead, rad; lengths in m.
-//   cos(theta_d) = 1 - delta_d / R,   cos(theta_1) = cos(theta_d) - z / R,   cos(theta_2) = cos(theta_d) - gamma z / R
-// The exit angle is negative here. All differences are formed without cancellation, so that a sinkage of a nanometre is exact.
+// Where wheel and soil touch: entry, exit and deflection angles of a wheel with a flat patch (paper, Section
+// 2, Figure 1). Angles from the vertical through the hub, positive ahead, rad; lengths in m.
+//   cos(theta_d) = 1 - delta_d / R,   cos(theta_1) = cos(theta_d) - z / R,   cos(theta_2) = cos(theta_d) -
+//   gamma z / R
+// The exit angle is negative here. All differences are formed without cancellation, so that a sinkage of a
+// nanometre is exact.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +13,14 @@ namespace wheel_twin::terramechanics {
 
 struct ContactGeometry {
   double R = 0.0;
-  double z = 0.0;           ///< sinkage of the lowest part of the rim below the undisturbed surface
-  double delta_d = 0.0;     ///< wheel deflection
-  double theta_1 = 0.0;     ///< entry
-  double theta_2 = 0.0;     ///< exit, at most -theta_d
-  double theta_d = 0.0;     ///< half of the flat patch
-  double theta_m = 0.0;     ///< of the largest normal stress
-  double front = 0.0;       ///< theta_1 - theta_d
-  double rear = 0.0;        ///< -theta_d - theta_2
+  double z = 0.0;        ///< sinkage of the lowest part of the rim below the undisturbed surface
+  double delta_d = 0.0;  ///< wheel deflection
+  double theta_1 = 0.0;  ///< entry
+  double theta_2 = 0.0;  ///< exit, at most -theta_d
+  double theta_d = 0.0;  ///< half of the flat patch
+  double theta_m = 0.0;  ///< of the largest normal stress
+  double front = 0.0;    ///< theta_1 - theta_d
+  double rear = 0.0;     ///< -theta_d - theta_2
 };
 
 /// Angle whose versine (1 - cos) is `versine`, 0 to 2.

@@ -39,12 +39,13 @@ struct Sums {
 
 /// A place on the contact.
 struct Point {
-  double zeta;            // depth that carries the normal stress, m
-  double sin, cos;        // of theta
-  double J_x, J_y;        // shear displacement times rolling / R
+  double zeta;      // depth that carries the normal stress, m
+  double sin, cos;  // of theta
+  double J_x, J_y;  // shear displacement times rolling / R
 };
 
-/// One run of theta over which the stress formulas do not change. t = 0 is the end where the normal stress vanishes.
+/// One run of theta over which the stress formulas do not change. t = 0 is the end where the normal stress
+/// vanishes.
 enum class Arc { front, mirrored };
 struct Segment {
   Arc arc;
@@ -71,7 +72,8 @@ class Integrator {
       grouser_z_ = line * law.weight_density * h * root * root;
       if (steering_) {
         const double phi = std::atan(law.tan_phi);
-        const double cot_x = std::tan(0.25 * M_PI + 0.5 * phi);  // cot of the destructive angle 45 deg - phi / 2
+        const double cot_x =
+            std::tan(0.25 * M_PI + 0.5 * phi);  // cot of the destructive angle 45 deg - phi / 2
         const double d_1 = cot_x + std::tan(0.25 * M_PI + 0.5 * phi);
         const double d_2 = cot_x + cot_x * cot_x * law.tan_phi;
         wall_c_ = d_1 * law.c;
@@ -142,7 +144,8 @@ class Integrator {
     return scale_ * (steering_ ? std::hypot(p.J_x, p.J_y) : std::abs(p.J_x));
   }
 
-  /// Adds the stresses at a point, `w` the weight in theta (or in x / R on the flat patch, where cos stands for that).
+  /// Adds the stresses at a point, `w` the weight in theta (or in x / R on the flat patch, where cos stands
+  /// for that).
   void add(const Point& p, double w, double along_x, Sums& sums) const {
     const double sigma = pressure(p.zeta);
     const double J = steering_ ? std::hypot(p.J_x, p.J_y) : std::abs(p.J_x);
@@ -155,8 +158,10 @@ class Integrator {
       sums.sigma_sin += w * sigma * p.sin;
       sums.tau_cos += w * tau_x * p.cos;
       sums.tau += w * tau_x;
-      const double depth = std::max(0.0, g_.R * (p.cos - cos_1_));  // of the rim below the undisturbed surface
-      const double pushed = steering_ ? (J > 0.0 ? mobilised * p.J_x / J : 0.0) : std::copysign(mobilised, p.J_x);
+      const double depth =
+          std::max(0.0, g_.R * (p.cos - cos_1_));  // of the rim below the undisturbed surface
+      const double pushed =
+          steering_ ? (J > 0.0 ? mobilised * p.J_x / J : 0.0) : std::copysign(mobilised, p.J_x);
       const double thrust = (grouser_0_ + grouser_z_ * depth) * pushed;
       sums.grouser += w * thrust;
       sums.grouser_torque += w * thrust * p.cos;
@@ -201,7 +206,8 @@ class Integrator {
     }
   }
 
-  /// Near the reversal of a braked and steered wheel the direction of j turns quickly: halve until it is resolved.
+  /// Near the reversal of a braked and steered wheel the direction of j turns quickly: halve until it is
+  /// resolved.
   Sums adaptive(const Segment& s, double t0, double t1, const Sums& whole, int depth) const {
     const double middle = 0.5 * (t0 + t1);
     const Sums left = rule(s, t0, middle), right = rule(s, middle, t1);
@@ -264,10 +270,12 @@ class Integrator {
       if (theta <= std::min(from, to) || theta >= std::max(from, to)) continue;
       const double along = s.arc == Arc::front ? g_.theta_1 - theta : theta - g_.theta_2;
       const double t = std::cbrt(along / s.length);
-      if (t > s.t0 && t < s.t1) cut[cuts++] = t;
+      if (!(t > s.t0 && t < s.t1)) continue;
+      std::size_t place = cuts++;
+      for (; cut[place - 1] > t; --place) cut[place] = cut[place - 1];
+      cut[place] = t;
     }
     cut[cuts] = s.t1;
-    std::sort(cut.begin(), cut.begin() + static_cast<std::ptrdiff_t>(cuts) + 1);
     for (std::size_t i = 0; i < cuts; ++i) piece(s, cut[i], cut[i + 1], 0);
   }
 

@@ -1,14 +1,18 @@
-// Normal and shear stress under a wheel and their integrals over the contact (paper, Section 2), in the wheel's own
-// frame: x along the wheel plane, y to the left, z up. SI units.
-//   normal stress   sigma = k_eq zeta^n, zeta the depth that carries it: R (cos theta - cos theta_1) ahead of theta_m, the
+// Normal and shear stress under a wheel and their integrals over the contact (paper, Section 2), in the
+// wheel's own frame: x along the wheel plane, y to the left, z up. SI units.
+//   normal stress   sigma = k_eq zeta^n, zeta the depth that carries it: R (cos theta - cos theta_1) ahead of
+//   theta_m, the
 //                   sinkage z on the flat patch, and the mirrored front behind (System 2)
-//   shear stress    tau = (c + sigma tan phi) (1 - exp(-|j| / K)) along the shear displacement j (Janosi, Hanamoto 1961)
-//   displacement    of a rim point since entry: j_x as in the paper; j_y = v sin(beta) / omega (theta_1 - theta)
-//                   (Ishigami et al. 2007). Both make one vector, so the Mohr-Coulomb limit holds in every direction.
+//   shear stress    tau = (c + sigma tan phi) (1 - exp(-|j| / K)) along the shear displacement j (Janosi,
+//   Hanamoto 1961) displacement    of a rim point since entry: j_x as in the paper; j_y = v sin(beta) / omega
+//   (theta_1 - theta)
+//                   (Ishigami et al. 2007). Both make one vector, so the Mohr-Coulomb limit holds in every
+//                   direction.
 //   side walls      push soil aside: Hegedus' resistance as in Ishigami et al. 2007, mobilised by j_y
-//   grousers        Bekker's passive wedge (paper, F_g), one a grouser in the soil, under the overburden of its root
-// Fixed Gauss-Legendre nodes, the contact split at every kink; the algebraic end of sigma (zeta^n) is graded away by
-// theta = end + length t^3. Pieces whose exponential is steep are halved until it is resolved.
+//   grousers        Bekker's passive wedge (paper, F_g), one a grouser in the soil, under the overburden of
+//   its root
+// Fixed Gauss-Legendre nodes, the contact split at every kink; the algebraic end of sigma (zeta^n) is graded
+// away by theta = end + length t^3. Pieces whose exponential is steep are halved until it is resolved.
 #pragma once
 
 #include "terramechanics/contact_geometry.h"
@@ -31,8 +35,8 @@ struct RimMotion {
 
 /// What the stresses need of soil and wheel.
 struct ContactLaw {
-  double b = 0.0;                       ///< wheel width, m
-  double k_eq = 0.0, n = 1.0;           ///< sinkage law, N/m^(n+2)
+  double b = 0.0;              ///< wheel width, m
+  double k_eq = 0.0, n = 1.0;  ///< sinkage law, N/m^(n+2)
   double c = 0.0, tan_phi = 0.0, K = 0.01;
   double weight_density = 0.0;          ///< N/m^3
   double grousers = 0.0;                ///< around the rim
@@ -57,7 +61,8 @@ ContactLoads contact_loads(const ContactGeometry& geometry, const RimMotion& mot
 /// The vertical force alone, several times cheaper.
 double vertical_force(const ContactGeometry& geometry, const RimMotion& motion, const ContactLaw& law);
 
-/// Vertical force of a wheel that has not moved (paper, static sinkage): twice the front arc and the patch, no shear.
+/// Vertical force of a wheel that has not moved (paper, static sinkage): twice the front arc and the patch,
+/// no shear.
 double static_vertical_force(const ContactGeometry& geometry, const ContactLaw& law);
 
 }  // namespace wheel_twin::terramechanics

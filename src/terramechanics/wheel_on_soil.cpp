@@ -17,7 +17,8 @@ constexpr int kMaximumSteps = 200;
 RimMotion rim_motion(const Operation& operation) {
   const double s = operation.slip, beta = operation.steering_angle;
   if (!(s >= -1.0 && s <= 1.0)) throw Error(fmt::format("slip {:g} is outside -1 to 1", s));
-  if (!(std::abs(beta) <= 1.5)) throw Error(fmt::format("steering angle {:g} rad is outside -1.5 to 1.5", beta));
+  if (!(std::abs(beta) <= 1.5))
+    throw Error(fmt::format("steering angle {:g} rad is outside -1.5 to 1.5", beta));
   const double travel = s >= 0.0 ? 1.0 - s : 1.0;
   return {s >= 0.0 ? 1.0 : 1.0 + s, travel * std::cos(beta), travel * std::sin(beta)};
 }
@@ -39,17 +40,22 @@ struct WheelOnSoil::Vertical {
   }
   double force(double z, double delta_d) const {
     if (z <= 0.0) return 0.0;
-    return at_rest ? static_vertical_force(geometry(z, delta_d), law) : vertical_force(geometry(z, delta_d), motion, law);
+    return at_rest ? static_vertical_force(geometry(z, delta_d), law)
+                   : vertical_force(geometry(z, delta_d), motion, law);
   }
   std::string words() const {
-    return at_rest ? "at rest" : fmt::format("at slip {:g} and steering angle {:g} rad", operation.slip, operation.steering_angle);
+    return at_rest ? "at rest"
+                   : fmt::format("at slip {:g} and steering angle {:g} rad", operation.slip,
+                                 operation.steering_angle);
   }
 };
 
 WheelOnSoil::WheelOnSoil(const Wheel& wheel, const Soil& soil)
     : wheel_(wheel), soil_(soil), k_eq_(sinkage_modulus(wheel, soil)) {
-  if (!(wheel.radius > 0.0 && wheel.width > 0.0)) throw Error(fmt::format("wheel '{}' has no size", wheel.name));
-  if (!(soil.n > 0.0 && soil.n < 3.0)) throw Error(fmt::format("soil '{}': n = {:g} is outside 0 to 3", soil.name, soil.n));
+  if (!(wheel.radius > 0.0 && wheel.width > 0.0))
+    throw Error(fmt::format("wheel '{}' has no size", wheel.name));
+  if (!(soil.n > 0.0 && soil.n < 3.0))
+    throw Error(fmt::format("soil '{}': n = {:g} is outside 0 to 3", soil.name, soil.n));
   if (!(soil.K > 0.0)) throw Error(fmt::format("soil '{}': K = {:g} m is not positive", soil.name, soil.K));
   if (!(soil.gamma >= 0.0 && soil.gamma <= 1.0)) {
     throw Error(fmt::format("soil '{}': gamma = {:g} is outside 0 to 1", soil.name, soil.gamma));
@@ -57,7 +63,8 @@ WheelOnSoil::WheelOnSoil(const Wheel& wheel, const Soil& soil)
 }
 
 ContactLaw WheelOnSoil::law(const SoilChange& change) const {
-  if (!(change.sinkage_factor > 0.0)) throw Error(fmt::format("sinkage factor {:g} is not positive", change.sinkage_factor));
+  if (!(change.sinkage_factor > 0.0))
+    throw Error(fmt::format("sinkage factor {:g} is not positive", change.sinkage_factor));
   ContactLaw law;
   law.b = wheel_.width;
   law.k_eq = k_eq_;
@@ -77,7 +84,8 @@ double WheelOnSoil::deflection_under(double load) const {
   if (!wheel_.stiffness) return 0.0;
   const double delta_d = load / *wheel_.stiffness;
   if (!(delta_d < wheel_.radius)) {
-    throw Error(fmt::format("wheel '{}': a load of {:g} N deflects it by {:g} m, beyond its radius", wheel_.name, load, delta_d));
+    throw Error(fmt::format("wheel '{}': a load of {:g} N deflects it by {:g} m, beyond its radius",
+                            wheel_.name, load, delta_d));
   }
   return delta_d;
 }
@@ -92,13 +100,14 @@ ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, doub
     z = sinkage_guess;
     if (!(z > 0.0 && z < z_end)) {
       const double patch = delta_d > 0.0 ? flat_patch_length(R, delta_d) : 0.0;
-      const double arc = std::pow(3.0 * load / ((3.0 - n) * law({}).b * k_eq_ * std::sqrt(2.0 * R)), 2.0 / (2.0 * n + 1.0));
+      const double arc =
+          std::pow(3.0 * load / ((3.0 - n) * law({}).b * k_eq_ * std::sqrt(2.0 * R)), 2.0 / (2.0 * n + 1.0));
       z = arc;
       if (patch > 0.0) z = std::min(arc, std::pow(load / (wheel_.width * k_eq_ * patch), 1.0 / n));
       z = std::clamp(z, 1e-12 * R, 0.9 * z_end);
     }
-    // The force rises from 0 with sinkage to one peak (or to the end) and the equilibrium lies on the rise. `low`
-    // is on the rise below the load, `high` carries at least the load: between them the root is unique.
+    // The force rises from 0 with sinkage to one peak (or to the end) and the equilibrium lies on the rise.
+    // `low` is on the rise below the load, `high` carries at least the load: between them the root is unique.
     double low = 0.0, force_low = 0.0, high = -1.0, force_high = 0.0;
     double force = vertical.force(z, delta_d);
     double best = force, best_z = z;
@@ -106,7 +115,8 @@ ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, doub
     while (force < load) {
       if (z >= z_end || (low > 0.0 && force <= force_low)) break;
       low = z, force_low = force;
-      const double step = force > 0.0 ? std::clamp(1.05 * std::pow(load / force, 1.0 / growth), 1.01, 4.0) : 1.5;
+      const double step =
+          force > 0.0 ? std::clamp(1.05 * std::pow(load / force, 1.0 / growth), 1.01, 4.0) : 1.5;
       z = std::min(z_end, z * step);
       force = vertical.force(z, delta_d);
       if (force > best) best = force, best_z = z;
@@ -123,14 +133,17 @@ ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, doub
       note(x1, f1), note(x2, f2);
       while (best < load && b - a > 1e-9 * R) {
         if (f1 < f2) {
-          a = x1, x1 = x2, f1 = f2, x2 = a + kGolden * (b - a), f2 = vertical.force(x2, delta_d), note(x2, f2);
+          a = x1, x1 = x2, f1 = f2, x2 = a + kGolden * (b - a), f2 = vertical.force(x2, delta_d),
+          note(x2, f2);
         } else {
-          b = x2, x2 = x1, f2 = f1, x1 = b - kGolden * (b - a), f1 = vertical.force(x1, delta_d), note(x1, f1);
+          b = x2, x2 = x1, f2 = f1, x1 = b - kGolden * (b - a), f1 = vertical.force(x1, delta_d),
+          note(x1, f1);
         }
       }
       if (best < load) {
-        throw Error(fmt::format("wheel '{}' on soil '{}' {}: no sinkage carries {:g} N, at most {:g} N at {:g} m", wheel_.name,
-                                soil_.name, vertical.words(), load, best, best_z * vertical.sinkage_factor));
+        throw Error(fmt::format(
+            "wheel '{}' on soil '{}' {}: no sinkage carries {:g} N, at most {:g} N at {:g} m", wheel_.name,
+            soil_.name, vertical.words(), load, best, best_z * vertical.sinkage_factor));
       }
       z = best_z, force = best;
       low = 0.0, force_low = 0.0;
@@ -145,7 +158,8 @@ ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, doub
         force_low = vertical.force(low, delta_d);
       }
     }
-    // Secant in the logarithms (a power law is a straight line there) inside the bracket, halved when it lags.
+    // Secant in the logarithms (a power law is a straight line there) inside the bracket, halved when it
+    // lags.
     double x0 = low, f0 = force_low, x1 = high, f1 = force_high;
     z = std::abs(f1 - load) < std::abs(f0 - load) ? x1 : x0;
     force = z == x1 ? f1 : f0;
@@ -173,10 +187,12 @@ ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, doub
   return state;
 }
 
-ContactState WheelOnSoil::solve_displacement(double h, const Vertical& vertical, double deflection_guess) const {
+ContactState WheelOnSoil::solve_displacement(double h, const Vertical& vertical,
+                                             double deflection_guess) const {
   if (!(h <= wheel_.radius)) {
-    throw Error(fmt::format("wheel '{}' on soil '{}': the hub is {:g} m below its height at first touch, the radius is {:g} m",
-                            wheel_.name, soil_.name, h, wheel_.radius));
+    throw Error(fmt::format(
+        "wheel '{}' on soil '{}': the hub is {:g} m below its height at first touch, the radius is {:g} m",
+        wheel_.name, soil_.name, h, wheel_.radius));
   }
   ContactState state;
   state.hub_displacement = h;
@@ -185,7 +201,9 @@ ContactState WheelOnSoil::solve_displacement(double h, const Vertical& vertical,
   if (wheel_.stiffness) {
     // Soil force less wheel force falls with the deflection: from the rigid wheel's force to -k h.
     const double k = *wheel_.stiffness;
-    const auto excess = [&](double d) { return vertical.force((h - d) / vertical.sinkage_factor, d) - k * d; };
+    const auto excess = [&](double d) {
+      return vertical.force((h - d) / vertical.sinkage_factor, d) - k * d;
+    };
     double low = 0.0, high = h;
     double d0 = deflection_guess, f0 = 0.0;
     if (!(d0 > 0.0 && d0 < h)) d0 = std::min(0.5 * h, vertical.force(h / vertical.sinkage_factor, 0.0) / k);
@@ -221,8 +239,9 @@ void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) cons
   state.deflection_angle = g.theta_d;
   state.peak_angle = vertical.at_rest ? 0.0 : g.theta_m;
   if (g.z <= 0.0) return;
-  state.grousers_in_soil =
-      wheel_.grousers * (g.front - (vertical.at_rest ? -g.front : -g.rear) + 2.0 * std::sin(g.theta_d)) / (2.0 * M_PI);
+  state.grousers_in_soil = wheel_.grousers *
+                           (g.front - (vertical.at_rest ? -g.front : -g.rear) + 2.0 * std::sin(g.theta_d)) /
+                           (2.0 * M_PI);
   if (vertical.at_rest) {
     state.normal_load = static_vertical_force(g, vertical.law);
     return;
@@ -235,9 +254,11 @@ void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) cons
   state.bulldozing_force = loads.bulldozing;
   state.flexing_resistance = vertical.motion.rolling > 0.0 ? wheel_.flexing_resistance : 0.0;
   state.drive_torque = loads.torque;
-  const double along = loads.thrust + loads.grouser_thrust - loads.compaction_resistance - state.flexing_resistance;
+  const double along =
+      loads.thrust + loads.grouser_thrust - loads.compaction_resistance - state.flexing_resistance;
   const double across = loads.side_shear + loads.bulldozing;
-  const double cos_b = std::cos(vertical.operation.steering_angle), sin_b = std::sin(vertical.operation.steering_angle);
+  const double cos_b = std::cos(vertical.operation.steering_angle),
+               sin_b = std::sin(vertical.operation.steering_angle);
   state.drawbar_pull = along * cos_b - across * sin_b;
   state.side_force = along * sin_b + across * cos_b;
   state.torque_x = loads.moment_x * cos_b + loads.torque * sin_b;
@@ -245,45 +266,53 @@ void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) cons
   state.torque_z = loads.moment_z;
 }
 
-namespace {
+WheelOnSoil::Vertical WheelOnSoil::rolling(const Operation& operation, const SoilChange& change) const {
+  const double peak = std::clamp(soil_.c1 + soil_.c2 * std::abs(operation.slip), 0.0, 1.0);
+  return {*this, law(change), change.sinkage_factor, false, operation, rim_motion(operation), peak};
+}
 
-double peak_ratio(const Soil& soil, double slip) { return std::clamp(soil.c1 + soil.c2 * std::abs(slip), 0.0, 1.0); }
+WheelOnSoil::Vertical WheelOnSoil::resting(const SoilChange& change) const {
+  return {*this, law(change), change.sinkage_factor, true, {}, {}, 0.0};
+}
 
-}  // namespace
-
-ContactState WheelOnSoil::at_load(double load, const Operation& operation, const SoilChange& change, double sinkage_guess) const {
-  const Vertical vertical{*this, law(change), change.sinkage_factor, false, operation, rim_motion(operation),
-                          peak_ratio(soil_, operation.slip)};
-  return solve_load(load, vertical, sinkage_guess / change.sinkage_factor);
+ContactState WheelOnSoil::at_load(double load, const Operation& operation, const SoilChange& change,
+                                  double sinkage_guess) const {
+  return solve_load(load, rolling(operation, change), sinkage_guess / change.sinkage_factor);
 }
 
 ContactState WheelOnSoil::at_rest_under_load(double load, const SoilChange& change) const {
-  return solve_load(load, {*this, law(change), change.sinkage_factor, true, {}, {}, 0.0}, 0.0);
+  return solve_load(load, resting(change), 0.0);
 }
 
-ContactState WheelOnSoil::at_hub_displacement(double hub_displacement, const Operation& operation, const SoilChange& change,
-                                              double deflection_guess) const {
-  const Vertical vertical{*this, law(change), change.sinkage_factor, false, operation, rim_motion(operation),
-                          peak_ratio(soil_, operation.slip)};
-  return solve_displacement(hub_displacement, vertical, deflection_guess);
+ContactState WheelOnSoil::at_hub_displacement(double hub_displacement, const Operation& operation,
+                                              const SoilChange& change, double deflection_guess) const {
+  return solve_displacement(hub_displacement, rolling(operation, change), deflection_guess);
 }
 
 ContactState WheelOnSoil::at_rest_at_hub_displacement(double hub_displacement, const SoilChange& change,
                                                       double deflection_guess) const {
-  return solve_displacement(hub_displacement, {*this, law(change), change.sinkage_factor, true, {}, {}, 0.0}, deflection_guess);
+  return solve_displacement(hub_displacement, resting(change), deflection_guess);
 }
 
-double WheelOnSoil::vertical_stiffness(const ContactState& state, const Operation& operation, const SoilChange& change) const {
+double WheelOnSoil::vertical_stiffness(const ContactState& state, const Operation& operation,
+                                       const SoilChange& change) const {
+  return stiffness(state, rolling(operation, change));
+}
+
+double WheelOnSoil::vertical_stiffness_at_rest(const ContactState& state, const SoilChange& change) const {
+  return stiffness(state, resting(change));
+}
+
+double WheelOnSoil::stiffness(const ContactState& state, const Vertical& vertical) const {
   if (state.hub_displacement <= 0.0) return 0.0;
-  const Vertical vertical{*this, law(change), change.sinkage_factor, false, operation, rim_motion(operation),
-                          peak_ratio(soil_, operation.slip)};
-  const double f = change.sinkage_factor;
-  const double step = 1e-5 * state.hub_displacement;
-  const double force = vertical.force(state.sinkage / f, state.deflection);
-  const double by_sinkage = (force - vertical.force((state.sinkage - step) / f, state.deflection)) / step;
+  const double z = state.sinkage / vertical.sinkage_factor, delta_d = state.deflection;
+  const double step = 1e-5 * z;
+  const double force = vertical.force(z, delta_d);
+  const double by_sinkage = (force - vertical.force(z - step, delta_d)) / (step * vertical.sinkage_factor);
   if (!wheel_.stiffness) return by_sinkage;
   // k d(delta) = F_z (dh - d(delta)) + F_delta d(delta)
-  const double by_deflection = (vertical.force(state.sinkage / f, state.deflection + step) - force) / step;
+  const double bend = 1e-5 * std::max(delta_d, 1e-9);
+  const double by_deflection = (force - vertical.force(z, std::max(0.0, delta_d - bend))) / bend;
   const double k = *wheel_.stiffness;
   return k * by_sinkage / (k + by_sinkage - by_deflection);
 }
@@ -308,7 +337,8 @@ double WheelOnSoil::towed_slip(double load, double steering_angle, const SoilCha
     t_low = torque(low);
   }
   if (!(t_low <= 0.0 && t_high >= 0.0)) {
-    throw Error(fmt::format("wheel '{}' on soil '{}': no slip turns the towed wheel under {:g} N", wheel_.name, soil_.name, load));
+    throw Error(fmt::format("wheel '{}' on soil '{}': no slip turns the towed wheel under {:g} N",
+                            wheel_.name, soil_.name, load));
   }
   // Regula falsi with the Illinois rule.
   const double tolerance = 1e-9 * load * wheel_.radius;
@@ -331,8 +361,8 @@ double WheelOnSoil::towed_slip(double load, double steering_angle, const SoilCha
   return 0.5 * (low + high);
 }
 
-ContactState predict_steady_state(const Wheel& wheel, const Soil& soil, double load, const Operation& operation,
-                                  const SoilChange& change) {
+ContactState predict_steady_state(const Wheel& wheel, const Soil& soil, double load,
+                                  const Operation& operation, const SoilChange& change) {
   return WheelOnSoil(wheel, soil).at_load(load, operation, change);
 }
 
