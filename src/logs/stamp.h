@@ -17,7 +17,7 @@ inline std::int64_t to_nanoseconds(double epoch, double time) {
 
 /// Seconds from `epoch` (a whole number of microseconds, in nanoseconds) to `stamp` (nanoseconds).
 inline double seconds_since(std::int64_t epoch, std::int64_t stamp) {
-  return static_cast<double>(stamp - epoch) * 1e-9;
+  return static_cast<double>(stamp - epoch) / 1e9;
 }
 
 }  // namespace wheel_twin::logs
