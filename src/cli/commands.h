@@ -6,5 +6,6 @@
 namespace wheel_twin::cli {
 
 // One line a subcommand, in the order of the help page.
+void add_import(CLI::App& app);
 
 }  // namespace wheel_twin::cli

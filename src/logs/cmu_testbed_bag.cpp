@@ -16,11 +16,19 @@ namespace {
 const char reading_type[] = "rokubimini_msgs/Reading";
 
 const std::vector<std::string>& reading_fields() {
-  static const std::vector<std::string> fields = {
-      "header.stamp.secs",         "header.stamp.nsecs",        "wrench.wrench.force.x",     "wrench.wrench.force.y",
-      "wrench.wrench.force.z",     "wrench.wrench.torque.x",    "wrench.wrench.torque.y",    "wrench.wrench.torque.z",
-      "imu.linear_acceleration.x", "imu.linear_acceleration.y", "imu.linear_acceleration.z", "isForceTorqueSaturated",
-      "temperature"};
+  static const std::vector<std::string> fields = {"header.stamp.secs",
+                                                  "header.stamp.nsecs",
+                                                  "wrench.wrench.force.x",
+                                                  "wrench.wrench.force.y",
+                                                  "wrench.wrench.force.z",
+                                                  "wrench.wrench.torque.x",
+                                                  "wrench.wrench.torque.y",
+                                                  "wrench.wrench.torque.z",
+                                                  "imu.linear_acceleration.x",
+                                                  "imu.linear_acceleration.y",
+                                                  "imu.linear_acceleration.z",
+                                                  "isForceTorqueSaturated",
+                                                  "temperature"};
   return fields;
 }
 
@@ -82,6 +90,8 @@ Tare tare_of(const FtRecording& recording) {
   return tare;
 }
 
-Eigen::Vector3d to_rig_axes(const Eigen::Vector3d& sensor) { return {-sensor.y(), -sensor.x(), -sensor.z()}; }
+Eigen::Vector3d to_rig_axes(const Eigen::Vector3d& sensor) {
+  return {-sensor.y(), -sensor.x(), -sensor.z()};
+}
 
 }  // namespace wheel_twin::logs::cmu

@@ -50,7 +50,8 @@ class Table {
         remarks.push_back(fmt::format("{}: column '{}' is not known and not used", path_, names_[i]));
     }
     for (const std::string& name : known)
-      if (!columns_.count(name)) throw Error(fmt::format("{}:{}: column '{}' is missing", path_, number_, name));
+      if (!columns_.count(name))
+        throw Error(fmt::format("{}:{}: column '{}' is missing", path_, number_, name));
   }
 
   bool next() {
@@ -60,7 +61,8 @@ class Table {
     } while (line.empty() || line == "\r" || line[0] == '#');
     row_ = fields_of(line);
     if (row_.size() != names_.size())
-      throw Error(fmt::format("{}:{}: {} fields where the header has {}", path_, number_, row_.size(), names_.size()));
+      throw Error(fmt::format("{}:{}: {} fields where the header has {}", path_, number_, row_.size(),
+                              names_.size()));
     return true;
   }
 
@@ -69,7 +71,8 @@ class Table {
   double number(const std::string& column) const {
     double value = 0.0;
     if (!parse(text(column), value))
-      throw Error(fmt::format("{}:{}: {}: a number is expected, not '{}'", path_, number_, column, text(column)));
+      throw Error(
+          fmt::format("{}:{}: {}: a number is expected, not '{}'", path_, number_, column, text(column)));
     return value;
   }
 
@@ -104,18 +107,23 @@ bool is_day(const std::string& text) {
 }
 
 bool is_plain_name(const std::string& text) {
-  return !text.empty() && text.find("..") == std::string::npos && text[0] != '/' && text.find('\\') == std::string::npos;
+  return !text.empty() && text.find("..") == std::string::npos && text[0] != '/' &&
+         text.find('\\') == std::string::npos;
 }
 
 const std::set<std::string> run_columns = {
-    "wheel",          "day",         "file",        "Vx_cmd_mm_s", "Vry_cmd_mm_s", "beta_deg",      "trial",
-    "slip",           "Vx_mm_s",     "Vx_std",      "Vry_mm_s",    "Vry_std",      "angle_deg",     "Fx_tractive_N",
-    "Fx_std_N",       "Fy_lateral_N", "Fy_std_N",   "Fz_load_N",   "Fz_std_N",     "Fx_slope_N_s",  "Fz_slope_N_s",
-    "Fy_slope_N_s",   "sinkage_mm",  "sinkage_std_mm", "win_t0_s", "win_t1_s",     "log_Z0_mm",     "log_start_epoch_local",
-    "log_rows",       "log_rate_hz", "log_duration_s"};
+    "wheel",        "day",           "file",          "Vx_cmd_mm_s",
+    "Vry_cmd_mm_s", "beta_deg",      "trial",         "slip",
+    "Vx_mm_s",      "Vx_std",        "Vry_mm_s",      "Vry_std",
+    "angle_deg",    "Fx_tractive_N", "Fx_std_N",      "Fy_lateral_N",
+    "Fy_std_N",     "Fz_load_N",     "Fz_std_N",      "Fx_slope_N_s",
+    "Fz_slope_N_s", "Fy_slope_N_s",  "sinkage_mm",    "sinkage_std_mm",
+    "win_t0_s",     "win_t1_s",      "log_Z0_mm",     "log_start_epoch_local",
+    "log_rows",     "log_rate_hz",   "log_duration_s"};
 
-const std::set<std::string> plate_columns = {"file",  "indenter",     "diameter_mm",    "t0_s",
-                                             "t1_s",  "z_surface_mm", "force_offset_n", "txt_clock_behind_utc_h"};
+const std::set<std::string> plate_columns = {
+    "file", "indenter",     "diameter_mm",    "t0_s",
+    "t1_s", "z_surface_mm", "force_offset_n", "txt_clock_behind_utc_h"};
 
 }  // namespace
 
@@ -137,6 +145,7 @@ std::vector<RunRow> read_runs(const std::string& path, std::vector<std::string>&
       table.fail("file", fmt::format("{} of {} is in the table twice", row.file, row.day));
     row.vry_command_mm_s = table.number("Vry_cmd_mm_s");
     row.beta_deg = table.number("beta_deg");
+    row.angle_deg = table.number("angle_deg");
     row.slip = table.number("slip");
     if (row.slip < -1.0 || row.slip > 1.0) table.fail("slip", "is not between -1 and 1");
     row.vx_mm_s = table.number("Vx_mm_s");
@@ -165,7 +174,8 @@ std::vector<PlateRow> read_plates(const std::string& path, std::vector<std::stri
   while (table.next()) {
     PlateRow row;
     row.file = table.text("file");
-    if (!is_plain_name(row.file)) table.fail("file", fmt::format("'{}' is no name inside the data set", row.file));
+    if (!is_plain_name(row.file))
+      table.fail("file", fmt::format("'{}' is no name inside the data set", row.file));
     row.indenter = table.text("indenter");
     if (row.indenter != "plate" && row.indenter != "wheel_smooth" && row.indenter != "wheel_grouser" &&
         row.indenter != "rigid_floor")
@@ -197,7 +207,8 @@ Kinematics read_kinematics(const std::string& path, std::vector<std::string>& re
     if (line.empty() || line == "\r") continue;
     const std::vector<std::string> fields = fields_of(line);
     std::array<double, 7> values{};
-    bool good = fields.size() == values.size();
+    bool good = fields.size() == values.size() || fields.size() == values.size() + 1;
+    if (fields.size() == values.size() + 1) kinematics.has_eighth_column = true;
     for (std::size_t i = 0; good && i < values.size(); ++i) good = parse(fields[i], values[i]);
     const double controller = values[5] * 1e-3;
     good = good && (kinematics.controller_s.empty() || controller > kinematics.controller_s.back());
@@ -214,11 +225,13 @@ Kinematics read_kinematics(const std::string& path, std::vector<std::string>& re
     kinematics.computer_s.push_back(values[6]);
   }
   if (kinematics.size() < 10)
-    throw Error(fmt::format("{}: {} good rows of 7 numbers (X, Vx, Vry, angle, Z, controller ms, computer s)", path,
-                            kinematics.size()));
+    throw Error(fmt::format("{}: {} good rows of 7 numbers (X, Vx, Vry, angle, Z, controller ms, computer s)",
+                            path, kinematics.size()));
   if (bad > 0)
-    remarks.push_back(fmt::format("{}: {} rows left out, the first is line {}: not 7 finite numbers in the order of the "
-                                  "controller clock", path, bad, first_bad));
+    remarks.push_back(
+        fmt::format("{}: {} rows left out, the first is line {}: not 7 finite numbers in the order of the "
+                    "controller clock",
+                    path, bad, first_bad));
   return kinematics;
 }
 

@@ -16,9 +16,10 @@ enum class Scalar { int8, uint8, int16, uint16, int32, uint32, int64, uint64, fl
 
 const std::map<std::string, Scalar>& scalars() {
   static const std::map<std::string, Scalar> table = {
-      {"bool", Scalar::uint8},      {"byte", Scalar::int8},     {"char", Scalar::uint8},    {"int8", Scalar::int8},
-      {"uint8", Scalar::uint8},     {"int16", Scalar::int16},   {"uint16", Scalar::uint16}, {"int32", Scalar::int32},
-      {"uint32", Scalar::uint32},   {"int64", Scalar::int64},   {"uint64", Scalar::uint64}, {"float32", Scalar::float32},
+      {"bool", Scalar::uint8},     {"byte", Scalar::int8},     {"char", Scalar::uint8},
+      {"int8", Scalar::int8},      {"uint8", Scalar::uint8},   {"int16", Scalar::int16},
+      {"uint16", Scalar::uint16},  {"int32", Scalar::int32},   {"uint32", Scalar::uint32},
+      {"int64", Scalar::int64},    {"uint64", Scalar::uint64}, {"float32", Scalar::float32},
       {"float64", Scalar::float64}};
   return table;
 }
@@ -26,13 +27,17 @@ const std::map<std::string, Scalar>& scalars() {
 std::size_t size_of(Scalar scalar) {
   switch (scalar) {
     case Scalar::int8:
-    case Scalar::uint8: return 1;
+    case Scalar::uint8:
+      return 1;
     case Scalar::int16:
-    case Scalar::uint16: return 2;
+    case Scalar::uint16:
+      return 2;
     case Scalar::int32:
     case Scalar::uint32:
-    case Scalar::float32: return 4;
-    default: return 8;
+    case Scalar::float32:
+      return 4;
+    default:
+      return 8;
   }
 }
 
@@ -45,16 +50,26 @@ double load(const std::uint8_t* data) {
 
 double decode(Scalar scalar, const std::uint8_t* data) {
   switch (scalar) {
-    case Scalar::int8: return load<std::int8_t>(data);
-    case Scalar::uint8: return load<std::uint8_t>(data);
-    case Scalar::int16: return load<std::int16_t>(data);
-    case Scalar::uint16: return load<std::uint16_t>(data);
-    case Scalar::int32: return load<std::int32_t>(data);
-    case Scalar::uint32: return load<std::uint32_t>(data);
-    case Scalar::int64: return load<std::int64_t>(data);
-    case Scalar::uint64: return load<std::uint64_t>(data);
-    case Scalar::float32: return load<float>(data);
-    case Scalar::float64: return load<double>(data);
+    case Scalar::int8:
+      return load<std::int8_t>(data);
+    case Scalar::uint8:
+      return load<std::uint8_t>(data);
+    case Scalar::int16:
+      return load<std::int16_t>(data);
+    case Scalar::uint16:
+      return load<std::uint16_t>(data);
+    case Scalar::int32:
+      return load<std::int32_t>(data);
+    case Scalar::uint32:
+      return load<std::uint32_t>(data);
+    case Scalar::int64:
+      return load<std::int64_t>(data);
+    case Scalar::uint64:
+      return load<std::uint64_t>(data);
+    case Scalar::float32:
+      return load<float>(data);
+    case Scalar::float64:
+      return load<double>(data);
   }
   return 0.0;
 }
@@ -63,7 +78,7 @@ struct Struct;
 
 struct Field {
   std::string name;
-  std::optional<Scalar> scalar;     // none: a string or a structure
+  std::optional<Scalar> scalar;  // none: a string or a structure
   bool is_string = false;
   std::shared_ptr<Struct> structure;
   bool is_array = false;
@@ -111,7 +126,8 @@ void walk(const Struct& structure, Cursor& cursor, std::vector<double>& values) 
     }
     const std::size_t count = field.count ? *field.count : cursor.length();
     if (field.scalar) {
-      if (count > cursor.left) throw Error(fmt::format("{}: a message is shorter than its definition says", cursor.type));
+      if (count > cursor.left)
+        throw Error(fmt::format("{}: a message is shorter than its definition says", cursor.type));
       cursor.take(count * size_of(*field.scalar));
     } else if (field.is_string || !field.structure->fields.empty()) {
       for (std::size_t i = 0; i < count; ++i) walk_one(field, cursor, values);
@@ -144,7 +160,8 @@ class Parser {
 
   std::shared_ptr<Struct> parse(const std::string& name, int depth = 0) {
     const auto text = texts_.find(name);
-    if (text == texts_.end()) throw Error(fmt::format("{}: the definition in the bag lacks the part {}", type_, name));
+    if (text == texts_.end())
+      throw Error(fmt::format("{}: the definition in the bag lacks the part {}", type_, name));
     if (depth > 20) throw Error(fmt::format("{}: the definition in the bag contains itself", type_));
     const std::string package = name.substr(0, name.find('/'));
     auto structure = std::make_shared<Struct>();
@@ -245,7 +262,8 @@ std::vector<double> MessageDefinition::read(const std::uint8_t* data, std::size_
   std::vector<double> values(impl_->slots, 0.0);
   Cursor cursor{data, size, impl_->type};
   walk(*impl_->root, cursor, values);
-  if (cursor.left != 0) throw Error(fmt::format("{}: a message is longer than its definition says", impl_->type));
+  if (cursor.left != 0)
+    throw Error(fmt::format("{}: a message is longer than its definition says", impl_->type));
   return values;
 }
 
