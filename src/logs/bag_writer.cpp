@@ -2,46 +2,32 @@
 
 #include <fmt/format.h>
 #include <geometry_msgs/WrenchStamped.h>
-#include <rosbag/bag.h>
 #include <sensor_msgs/JointState.h>
 #include <sensor_msgs/Temperature.h>
 #include <wheel_twin/DisplacementStamped.h>
 
 #include <array>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <map>
 #include <system_error>
 #include <utility>
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "logs/bag_file.h"
 #include "logs/stamp.h"
 #include "logs/topics.h"
 
 namespace wheel_twin::logs {
 namespace {
 
-// Small chunks cost little in size (7 % of a 66 s run against the default of 768 KiB) and lose little when a
-// recorder is killed.
-constexpr std::uint32_t chunk_bytes = 256 * 1024;
-
-rosbag::CompressionType to_rosbag(Compression compression) {
-  switch (compression) {
-    case Compression::none:
-      return rosbag::compression::Uncompressed;
-    case Compression::bz2:
-      return rosbag::compression::BZ2;
-    case Compression::lz4:
-      break;
-  }
-  return rosbag::compression::LZ4;
-}
-
 /// The messages of a rig log, kept from one sample to the next to save their allocations.
 class RigBag {
  public:
   RigBag(const std::string& file, std::string name, double epoch, Compression compression)
-      : name_(std::move(name)), epoch_(epoch) {
+      : name_(std::move(name)), epoch_(epoch), bag_(file, name_, compression) {
     wrench_.header.frame_id = "ft_sensor";
     displacement_.header.frame_id = "rig";
     joints_.header.frame_id = "rig";
@@ -49,23 +35,7 @@ class RigBag {
     joints_.position.resize(2);
     joints_.velocity.resize(2);
     temperature_.header.frame_id = "rig";
-    guarded([&] {
-      bag_->open(file, rosbag::bagmode::Write);
-      bag_->setCompression(to_rosbag(compression));
-      bag_->setChunkThreshold(chunk_bytes);
-    });
   }
-  ~RigBag() {
-    try {
-      bag_->close();
-    } catch (const std::exception&) {
-      // ~Bag would close again, throw again and end the program: a bag that cannot be finished is not
-      // destroyed.
-      static_cast<void>(bag_.release());
-    }
-  }
-  RigBag(const RigBag&) = delete;
-  RigBag& operator=(const RigBag&) = delete;
 
   void wrench(double time, const Eigen::Vector3d& force, const Eigen::Vector3d& torque) {
     wrench_.wrench.force.x = force.x();
@@ -97,20 +67,9 @@ class RigBag {
     write(temperature_topic, time, temperature_);
   }
 
-  void close() {
-    guarded([&] { bag_->close(); });
-  }
+  void close() { bag_.close(); }
 
  private:
-  template <typename Action>
-  void guarded(Action action) {
-    try {
-      action();
-    } catch (const std::exception& error) {
-      throw Error(fmt::format("{}: cannot be written: {}", name_, error.what()));
-    }
-  }
-
   template <typename Message>
   void write(const char* topic, double time, Message& message) {
     const std::int64_t stamp = std::isfinite(time) ? to_nanoseconds(epoch_, time) : 0;
@@ -119,13 +78,29 @@ class RigBag {
           fmt::format("{}: {}: the time {} s after epoch {} s is no ROS time", name_, topic, time, epoch_));
     message.header.stamp.sec = static_cast<std::uint32_t>(stamp / 1000000000);
     message.header.stamp.nsec = static_cast<std::uint32_t>(stamp % 1000000000);
-    guarded([&] { bag_->write(topic, message.header.stamp, message); });
+    bytes_.resize(ros::serialization::serializationLength(message));
+    ros::serialization::OStream stream(bytes_.data(), static_cast<std::uint32_t>(bytes_.size()));
+    ros::serialization::serialize(stream, message);
+    bag_.write(connection<Message>(topic), static_cast<std::uint64_t>(stamp), bytes_.data(), bytes_.size());
     ++message.header.seq;
+  }
+
+  /// Each topic has one type here.
+  template <typename Message>
+  std::uint32_t connection(const char* topic) {
+    const auto known = connections_.find(topic);
+    if (known != connections_.end()) return known->second;
+    return connections_[topic] = bag_.add_connection(
+               topic, {{"type", ros::message_traits::DataType<Message>::value()},
+                       {"md5sum", ros::message_traits::MD5Sum<Message>::value()},
+                       {"message_definition", ros::message_traits::Definition<Message>::value()}});
   }
 
   std::string name_;
   double epoch_;
-  std::unique_ptr<rosbag::Bag> bag_ = std::make_unique<rosbag::Bag>();
+  BagFile bag_;
+  std::map<std::string, std::uint32_t, std::less<>> connections_;
+  std::vector<std::uint8_t> bytes_;
   geometry_msgs::WrenchStamped wrench_;
   DisplacementStamped displacement_;
   sensor_msgs::JointState joints_;

@@ -7,11 +7,10 @@
 #include <memory>
 #include <string>
 
+#include "logs/compression.h"
 #include "run_log/run_log.h"
 
 namespace wheel_twin::logs {
-
-enum class Compression { none, bz2, lz4 };
 
 /// Writes `log` to `path`, whole or not at all. An empty series writes no topic. Throws Error naming the file
 /// when a series has columns of different length, a stamp is not after ROS time 0, or the file cannot be
