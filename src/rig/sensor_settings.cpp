@@ -59,6 +59,7 @@ DrawWireSettings read_draw_wire(const yaml::Map& map) {
 
 JointSettings read_joints(const yaml::Map& map) {
   JointSettings joints;
+  joints.name = map.text("name");
   joints.rate = map.number("rate", rates);
   joints.carriage_resolution = map.number("carriage_resolution", yaml::non_negative());
   joints.wheel_resolution = map.number("wheel_resolution", yaml::non_negative());
@@ -72,6 +73,7 @@ JointSettings read_joints(const yaml::Map& map) {
 
 TemperatureSettings read_temperature(const yaml::Map& map) {
   TemperatureSettings temperature;
+  temperature.name = map.text("name");
   temperature.rate = map.number("rate", rates);
   temperature.noise = map.number("noise", yaml::non_negative());
   temperature.resolution = map.number("resolution", yaml::non_negative());

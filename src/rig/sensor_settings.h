@@ -39,6 +39,7 @@ struct DrawWireSettings {
 
 /// Motor encoders and current.
 struct JointSettings {
+  std::string name = "joints";
   double rate = 100.0;                   ///< Hz
   double carriage_resolution = 0.0;      ///< m
   double wheel_resolution = 0.0;         ///< rad
@@ -49,6 +50,7 @@ struct JointSettings {
 };
 
 struct TemperatureSettings {
+  std::string name = "thermometer";
   double rate = 1.0;        ///< Hz
   double noise = 0.0;       ///< K
   double resolution = 0.0;  ///< K
