@@ -206,7 +206,12 @@ class Rig::Impl {
     double belt_travel = 0.0;
     if (settings_.carriage.belt_stiffness) {
       const double deflection = step_.load.force_hub_rig.x() / *settings_.carriage.belt_stiffness;
-      const double moved = follow_lag(belt_deflection_, deflection, settings_.carriage.belt_lag, dt).value;
+      // The soil answers the deflection's speed by slip: it adds c/k to the lag (linearly implicit, c an
+      // upper bound).
+      const double faster = std::max(std::abs(speed), radius_ * std::abs(wheel_rate_));
+      const double soil_resistance = 2.0 * step_.load.force_hub_rig.z() / std::max(faster, rest_speed);
+      const double lag = settings_.carriage.belt_lag + soil_resistance / *settings_.carriage.belt_stiffness;
+      const double moved = follow_lag(belt_deflection_, deflection, lag, dt).value;
       belt_travel = moved - belt_deflection_;
       belt_deflection_ = moved;
     }

@@ -13,7 +13,7 @@ namespace wheel_twin::rig {
 SlideVelocity slide_velocity(const SlideForces& forces, double mass, double velocity, double dt,
                              std::optional<double> lowest_velocity) {
   const double drive = mass * velocity / dt + forces.soil - forces.weight;
-  const double resistance = mass / dt + forces.damping + forces.stiffness * dt;
+  const double resistance = mass / dt + forces.damping + std::max(0.0, forces.stiffness) * dt;
   SlideVelocity result;
   result.friction = -std::clamp(drive, -forces.coulomb, forces.coulomb);
   result.velocity = (drive + result.friction) / resistance;

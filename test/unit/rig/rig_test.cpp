@@ -170,7 +170,7 @@ TEST(Rig, TheBeltGivesWayUnderDrawbarPull) {
   settings.carriage.belt_stiffness = 2e4;
   Rig rig(settings, conditions(), radius, contact, {});
   rig.start(std::nullopt);
-  const RigStep& step = settled(rig, conditions());
+  const RigStep& step = settled(rig, conditions(), 8.0);
   const double pull = step.load.force_hub_rig.x();
   EXPECT_NEAR(step.state.x - step.readings.joints.carriage_position, pull / 2e4, 1e-9);
   EXPECT_NEAR(pull, 0.5 * 0.3 * 42.1 - 1.0, 1e-4);  // at rest again, it changes nothing else
@@ -254,9 +254,10 @@ TEST(RigPorts, SlideFrictionHoldsTheWheelOffItsEquilibrium) {
   Rig rig(settings, conditions(), radius, contact, ports);
   rig.start(0.0);
   const RigStep& step = settled(rig, conditions(), 3.0);
-  EXPECT_EQ(step.state.slide_velocity, 0.0);
-  EXPECT_NEAR(step.readings.wrench.force.z() + step.friction, 42.1, 1e-9);
-  EXPECT_GT(std::abs(step.friction), 0.1);
+  // Overdamped and coming from above, the slide creeps to where friction is spent.
+  EXPECT_NEAR(step.state.slide_velocity, 0.0, 1e-12);
+  EXPECT_NEAR(step.readings.wrench.force.z(), 42.1 - 3.5, 1e-9);
+  EXPECT_NEAR(step.friction, 3.5, 1e-9);
 }
 
 struct AllSensorPorts : SensorPort {
