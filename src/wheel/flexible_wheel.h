@@ -109,15 +109,16 @@ class FlexibleWheel {
   /// sub-steps.
   void step(double dt, const HubMotion& hub_at_end);
 
-  const SegmentState& segment(int index) const;  ///< now
-  HubMotion hub() const;                         ///< now
+  SegmentState segment(int index) const;  ///< now
+  HubMotion hub() const;                  ///< now
   /// What the rim exerts on the hub about its centre, rig axes, mean over the last step.
   Wrench reaction() const;
   std::vector<BeamState> beams() const;
   Energy energy() const;
-  /// Angular momentum about the rig's y axis through the origin, kg m^2/s, hub included.
+  /// Angular momentum about the axle's direction through the rig's origin, kg m^2/s, hub included.
   double angular_momentum() const;
-  std::int64_t steps() const;
+  double largest_joint_gap() const;  ///< after the last step, m
+  std::int64_t steps() const;        ///< since place()
 
   /// Brings the wheel to rest about the hub under the forces that `forces` applies before every step: dynamic
   /// relaxation with a mass-proportional damper of `rate` (1/s), until the rim's speed about the hub falls

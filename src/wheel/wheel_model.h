@@ -75,7 +75,7 @@ struct WheelModel {
   /// Dampers proportional to the springs: this ratio of critical damping at this frequency.
   double damping_ratio = 0.0;
   double damping_frequency = 180.0;  ///< Hz
-  int substeps = 1;                  ///< of every step()
+  int max_substeps = 4;              ///< step() takes as few as stability asks, up to this
 };
 
 /// The longest rim segment's length, m: chord between two joints on the circle of `radius`.
