@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Digital twin of a single-wheel test rig. `twin COMMAND --help` shows an example of each command."};
   app.require_subcommand(1);
+  wheel_twin::cli::add_run(app);
   wheel_twin::cli::add_import(app);
   try {
     app.parse(argc, argv);

@@ -1,0 +1,227 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "base/atomic_file.h"
+#include "base/config_path.h"
+#include "base/error.h"
+#include "base/progress.h"
+#include "cli/commands.h"
+#include "effects/catalogue.h"
+#include "logs/bag_writer.h"
+#include "logs/experiment.h"
+#include "twin/virtual_rig.h"
+
+namespace wheel_twin::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using Effects = std::vector<std::unique_ptr<effects::Effect>>;
+
+constexpr double degree = 3.14159265358979323846 / 180.0;
+
+struct Options {
+  twin::VirtualRigNames names;
+  std::string fidelity = "semi_empirical";
+  std::string experiment;
+  std::string out;
+  rig::RunConditions conditions;
+  rig::RunProfile profile;
+  double steering_degrees = 0.0;
+  double epoch = 1.7e9;
+  std::uint64_t seed = 1;
+  std::vector<std::string> effects;
+};
+
+/// "slide_friction:coulomb_force=3.5" or "ft_drift:rate_x=0.01,rate_y=0,rate_z=0".
+std::unique_ptr<effects::Effect> parse_effect(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  const effects::EffectType& type = effects::find_effect(text.substr(0, colon));
+  std::vector<double> values;
+  for (const auto& parameter : type.parameters) values.push_back(parameter.neutral);
+  std::istringstream list(colon == std::string::npos ? "" : text.substr(colon + 1));
+  for (std::string item; std::getline(list, item, ',');) {
+    const std::size_t equals = item.find('=');
+    const std::string name = item.substr(0, equals);
+    std::size_t index = 0;
+    while (index < type.parameters.size() && type.parameters[index].name != name) ++index;
+    if (index == type.parameters.size())
+      throw Error(fmt::format("effect {}: it has no parameter '{}'", type.name, name));
+    const std::string number = equals == std::string::npos ? "" : item.substr(equals + 1);
+    if (!CLI::detail::lexical_cast(number, values[index]))
+      throw Error(fmt::format("effect {}: {} is not a number: '{}'", type.name, name, number));
+  }
+  return effects::make_effect(type, values);
+}
+
+Json summary_of(const Options& options, const rig::RunSettings& run, const twin::VirtualRig& loaded,
+                const rig::RunSummary& summary, const std::string& bag) {
+  const rig::RunConditions& set = run.conditions;
+  return {{"schema", 1},
+          {"bag", bag},
+          {"wheel", loaded.wheel.name},
+          {"soil", loaded.soil.name},
+          {"rig", run.rig.name},
+          {"sensors", {run.sensors.ft.name, run.sensors.draw_wire.name}},
+          {"fidelity", options.fidelity},
+          {"effects", options.effects},
+          {"seed", run.seed},
+          {"conditions",
+           {{"slip", set.slip},
+            {"load_n", set.load},
+            {"wheel_speed_rad_s", set.wheel_speed},
+            {"steering_angle_rad", set.steering_angle},
+            {"towed", set.towed},
+            {"temperature_c", set.temperature}}},
+          {"window_s", {summary.window[0], summary.window[1]}},
+          {"mean",
+           {{"drawbar_pull_n", summary.drawbar_pull},
+            {"side_force_n", summary.side_force},
+            {"normal_load_n", summary.normal_load},
+            {"hub_displacement_m", summary.hub_displacement},
+            {"drive_torque_nm", summary.drive_torque},
+            {"motor_effort_nm", summary.motor_effort},
+            {"slip", summary.slip}}}};
+}
+
+/// One run: its bag at `bag` and the summary beside it.
+void run_once(const Options& options, const twin::VirtualRig& loaded, const rig::RunSettings& settings,
+              const rig::Ports& ports, const std::string& bag) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto contact = twin::make_contact(options.fidelity, loaded.wheel, loaded.soil, ports);
+  rig::FreeRun run(settings, *contact, ports);
+  Progress progress(fs::path(bag).filename().string(), run.expected_end());
+  rig::RunSummary summary;
+  const run_log::RunLog log =
+      rig::run_to_end(run, summary, {[&](const rig::RigStep& step) { progress.update(step.state.time); }});
+  logs::write_bag(log, bag);
+  fs::path json = bag;
+  json.replace_extension(".json");
+  write_file(
+      json.string(),
+      summary_of(options, settings, loaded, summary, fs::path(bag).filename().string()).dump(2) + "\n");
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  fmt::print(
+      "{}: slip {:.3f}, load {:.1f} N: drawbar pull {:.2f} N, side force {:.2f} N, normal load {:.2f} N, hub "
+      "{:.2f} mm "
+      "down, drive torque {:.3f} N m (means from {:.1f} to {:.1f} s)\n",
+      bag, std::abs(summary.slip) < 5e-4 ? 0.0 : summary.slip, settings.conditions.load, summary.drawbar_pull, summary.side_force,
+      summary.normal_load, 1e3 * summary.hub_displacement, summary.drive_torque, summary.window[0],
+      summary.window[1]);
+  fmt::print("{:.1f} s simulated and written in {:.2f} s\n", run.time(), wall);
+}
+
+rig::RunSettings settings_of(const Options& options, const twin::VirtualRig& loaded) {
+  rig::RunSettings settings = loaded.run;
+  settings.profile = options.profile;
+  settings.conditions = options.conditions;
+  settings.conditions.steering_angle = options.steering_degrees * degree;
+  settings.seed = options.seed;
+  settings.epoch = options.epoch;
+  return settings;
+}
+
+/// Every run of an experiment, with its declared conditions, into the directory `out`.
+void run_experiment(const Options& options, const rig::Ports& ports) {
+  const bool is_name = !fs::exists(options.experiment);
+  logs::Experiment experiment =
+      logs::read_experiment(is_name ? find_config("experiments", options.experiment) : options.experiment);
+  twin::VirtualRig loaded = twin::load_virtual_rig(options.names);
+  loaded.wheel = experiment.wheel;
+  loaded.soil = experiment.soil;
+  loaded.run.radius = experiment.wheel.radius;
+  auto& ft = loaded.run.sensors.ft;
+  if (experiment.ft) {
+    ft.rate = experiment.ft->rate;
+    ft.noise.head<3>().setConstant(experiment.ft->noise);
+    ft.resolution.head<3>().setConstant(experiment.ft->resolution);
+  }
+  experiment.ft = logs::DeclaredSensor{ft.rate, ft.noise[0], ft.resolution[0]};
+  auto& wire = loaded.run.sensors.draw_wire;
+  if (experiment.draw_wire) {
+    wire.rate = experiment.draw_wire->rate;
+    wire.noise = experiment.draw_wire->noise;
+    wire.resolution = experiment.draw_wire->resolution;
+  }
+  experiment.draw_wire = logs::DeclaredSensor{wire.rate, wire.noise, wire.resolution};
+  experiment.plate_tests.clear();
+  experiment.direct_shear.clear();
+  fs::create_directories(options.out);
+  for (std::size_t i = 0; i < experiment.runs.size(); ++i) {
+    logs::Run& run = experiment.runs[i];
+    run.averages.reset();
+    if (!run.bag) run.bag = fmt::format("run_{:03}.bag", i);
+    rig::RunSettings settings = settings_of(options, loaded);
+    settings.conditions.slip = run.slip;
+    settings.conditions.load = run.load;
+    settings.conditions.wheel_speed = run.wheel_speed;
+    settings.conditions.steering_angle = run.steering_angle;
+    settings.seed = options.seed + i;
+    settings.epoch = options.epoch + 300.0 * static_cast<double>(i);
+    run_once(options, loaded, settings, ports, (fs::path(options.out) / *run.bag).string());
+  }
+  logs::write_experiment(experiment, options.out);
+}
+
+void run(const Options& options) {
+  Effects list;
+  rig::Ports ports;
+  for (const std::string& text : options.effects) {
+    list.push_back(parse_effect(text));
+    list.back()->attach(ports);
+  }
+  if (!options.experiment.empty()) {
+    run_experiment(options, ports);
+    return;
+  }
+  const twin::VirtualRig loaded = twin::load_virtual_rig(options.names);
+  if (fs::path(options.out).extension() != ".bag")
+    throw Error(fmt::format("{}: --out must end in .bag", options.out));
+  run_once(options, loaded, settings_of(options, loaded), ports, options.out);
+}
+
+}  // namespace
+
+void add_run(CLI::App& app) {
+  auto* command =
+      app.add_subcommand("run", "One virtual run, or all runs of an experiment, as the rig's logs.");
+  command->footer(
+      "Example: twin run --wheel amalia --soil mars_simulant --slip 0.3 --load 42.1 --out run.bag\n"
+      "         twin run --experiment paper_single_wheel --out out/paper");
+  auto options = std::make_shared<Options>();
+  const auto add = [&](const char* name, auto& value, const char* help) {
+    return command->add_option(name, value, help)->capture_default_str();
+  };
+  auto& set = *options;
+  add("--wheel", set.names.wheel, "Wheel: a name in config/wheels or a file");
+  add("--soil", set.names.soil, "Soil: a name in config/soils or a file");
+  add("--rig", set.names.rig, "Rig: a name in config/rigs or a file");
+  add("--ft", set.names.ft, "Force/torque sensor: a name in config/sensors or a file");
+  add("--draw-wire", set.names.draw_wire, "Draw-wire sensor: a name in config/sensors or a file");
+  add("--joints", set.names.joints, "Motor encoders: a name in config/sensors or a file");
+  add("--fidelity", set.fidelity, "Soil: semi_empirical or dem");
+  add("--slip", set.conditions.slip,
+      "-1 (locked) to 1; the faster of rim and carriage runs at the wheel speed");
+  add("--load", set.conditions.load, "Force the soil carries at rest, N");
+  add("--wheel-speed", set.conditions.wheel_speed, "rad/s");
+  add("--steering", set.steering_degrees, "Steering angle, degrees, to the left when positive");
+  command->add_flag("--towed", set.conditions.towed, "Drive uncoupled, the carriage pulls the wheel");
+  add("--temperature", set.conditions.temperature, "degrees C");
+  add("--travel", set.profile.travel, "Carriage travel of the steady part, m; 0: by duration alone");
+  add("--duration", set.profile.longest_steady, "Longest steady part, s");
+  add("--dwell", set.profile.dwell, "At rest on the soil before the start, s");
+  add("--effect", set.effects, "Acts on the run, as name:parameter=value,...; may be repeated");
+  add("--seed", set.seed, "Seed of all noise: the same seed gives the same bytes");
+  add("--epoch", set.epoch, "ROS time of the start, s");
+  add("--experiment", set.experiment, "Experiment: a name in config/experiments, a file or a directory");
+  command->add_option("--out", set.out, "Bag of the run, or directory of the experiment")->required();
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace wheel_twin::cli
