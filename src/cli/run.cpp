@@ -111,9 +111,9 @@ void run_once(const Options& options, const twin::VirtualRig& loaded, const rig:
       "{}: slip {:.3f}, load {:.1f} N: drawbar pull {:.2f} N, side force {:.2f} N, normal load {:.2f} N, hub "
       "{:.2f} mm "
       "down, drive torque {:.3f} N m (means from {:.1f} to {:.1f} s)\n",
-      bag, std::abs(summary.slip) < 5e-4 ? 0.0 : summary.slip, settings.conditions.load, summary.drawbar_pull, summary.side_force,
-      summary.normal_load, 1e3 * summary.hub_displacement, summary.drive_torque, summary.window[0],
-      summary.window[1]);
+      bag, std::abs(summary.slip) < 5e-4 ? 0.0 : summary.slip, settings.conditions.load, summary.drawbar_pull,
+      summary.side_force, summary.normal_load, 1e3 * summary.hub_displacement, summary.drive_torque,
+      summary.window[0], summary.window[1]);
   fmt::print("{:.1f} s simulated and written in {:.2f} s\n", run.time(), wall);
 }
 
@@ -127,11 +127,18 @@ rig::RunSettings settings_of(const Options& options, const twin::VirtualRig& loa
   return settings;
 }
 
+/// Speed that the faster of rim and carriage has, over the radius, rad/s: that of the wheel unless it brakes.
+/// A locked wheel does not tell how fast the carriage went: `otherwise`.
+double faster_speed(const logs::Run& run, double otherwise) {
+  if (run.slip >= 0.0) return run.wheel_speed;
+  return run.slip > -1.0 && run.wheel_speed != 0.0 ? run.wheel_speed / (1.0 + run.slip) : otherwise;
+}
+
 /// Every run of an experiment, with its declared conditions, into the directory `out`.
 void run_experiment(const Options& options, const rig::Ports& ports) {
   const bool is_name = !fs::exists(options.experiment);
-  logs::Experiment experiment =
-      logs::read_experiment(is_name ? find_config("experiments", options.experiment) : options.experiment);
+  logs::Experiment experiment = logs::read_experiment(
+      is_name ? find_config("experiments", options.experiment) : options.experiment, logs::Stage::planned);
   twin::VirtualRig loaded = twin::load_virtual_rig(options.names);
   loaded.wheel = experiment.wheel;
   loaded.soil = experiment.soil;
@@ -160,7 +167,7 @@ void run_experiment(const Options& options, const rig::Ports& ports) {
     rig::RunSettings settings = settings_of(options, loaded);
     settings.conditions.slip = run.slip;
     settings.conditions.load = run.load;
-    settings.conditions.wheel_speed = run.wheel_speed;
+    settings.conditions.wheel_speed = faster_speed(run, options.conditions.wheel_speed);
     settings.conditions.steering_angle = run.steering_angle;
     settings.seed = options.seed + i;
     settings.epoch = options.epoch + 300.0 * static_cast<double>(i);
@@ -209,7 +216,7 @@ void add_run(CLI::App& app) {
   add("--slip", set.conditions.slip,
       "-1 (locked) to 1; the faster of rim and carriage runs at the wheel speed");
   add("--load", set.conditions.load, "Force the soil carries at rest, N");
-  add("--wheel-speed", set.conditions.wheel_speed, "rad/s");
+  add("--wheel-speed", set.conditions.wheel_speed, "rad/s; of an experiment: for its locked wheels");
   add("--steering", set.steering_degrees, "Steering angle, degrees, to the left when positive");
   command->add_flag("--towed", set.conditions.towed, "Drive uncoupled, the carriage pulls the wheel");
   add("--temperature", set.conditions.temperature, "degrees C");

@@ -59,7 +59,9 @@ Averages read_averages(const yaml::Map& map) {
 /// A file of the experiment: relative, inside the directory, existing, named once.
 class Files {
  public:
-  explicit Files(std::string directory) : directory_(std::move(directory)) {}
+  Files(std::string directory, Stage stage) : directory_(std::move(directory)), stage_(stage) {}
+
+  Stage stage() const { return stage_; }
 
   std::optional<std::string> read(const yaml::Map& map, const std::string& key) {
     if (!map.has(key) || map.is_null(key)) return std::nullopt;
@@ -67,7 +69,7 @@ class Files {
     const fs::path normal = fs::path(file).lexically_normal();
     if (normal.is_absolute() || *normal.begin() == "..")
       map.fail(key, fmt::format("'{}' lies outside the directory of the experiment", file));
-    if (!fs::is_regular_file(fs::path(directory_) / normal))
+    if (stage_ == Stage::measured && !fs::is_regular_file(fs::path(directory_) / normal))
       map.fail(key, fmt::format("no file '{}' beside experiment.yaml", file));
     if (!seen_.insert(normal.string()).second)
       map.fail(key, fmt::format("'{}' stands here a second time", file));
@@ -76,6 +78,7 @@ class Files {
 
  private:
   std::string directory_;
+  Stage stage_;
   std::set<std::string> seen_;
 };
 
@@ -91,7 +94,8 @@ Run read_run(const yaml::Map& map, Files& files) {
   run.group = map.text_or("group", "");
   if (const auto averages = map.optional_map("averages")) run.averages = read_averages(*averages);
   map.finish();
-  if (!run.bag && !run.averages) map.fail("bag", "is null and there are no averages: nothing was measured");
+  if (files.stage() == Stage::measured && !run.bag && !run.averages)
+    map.fail("bag", "is null and there are no averages: nothing was measured");
   return run;
 }
 
@@ -259,7 +263,7 @@ std::string Experiment::path_of(const std::string& file) const {
   return (fs::path(directory) / file).string();
 }
 
-Experiment read_experiment(const std::string& path) {
+Experiment read_experiment(const std::string& path, Stage stage) {
   const std::string file = fs::is_directory(path) ? (fs::path(path) / "experiment.yaml").string() : path;
   const yaml::Map map = yaml::parse_file(file);
   Experiment experiment;
@@ -288,7 +292,7 @@ Experiment read_experiment(const std::string& path) {
     sensors->finish();
   }
   experiment.source = map.text_or("source", "");
-  Files files(experiment.directory);
+  Files files(experiment.directory, stage);
   const yaml::List runs = map.list("runs");
   for (std::size_t i = 0; i < runs.size(); ++i) experiment.runs.push_back(read_run(runs.map(i), files));
   if (map.has("plate_tests")) {

@@ -93,11 +93,14 @@ struct Experiment {
   std::string path_of(const std::string& file) const;
 };
 
+/// A planned experiment has conditions; its files need not be there, nor need a run have bag or averages.
+enum class Stage { measured, planned };
+
 /// Reads `path`, an experiment.yaml or its directory. A bare wheel or soil name is the file NAME.yaml of
 /// `wheels/` or `soils/` in the configuration folder (base/config_path.h). Throws Error naming file, line
 /// and key; refuses unknown keys, runs with neither bag nor averages, files outside the directory, and files
 /// named twice.
-Experiment read_experiment(const std::string& path);
+Experiment read_experiment(const std::string& path, Stage stage = Stage::measured);
 
 /// Writes `experiment.yaml` into `directory` (made when missing), in the form read_experiment reads, whole or
 /// not at all.
