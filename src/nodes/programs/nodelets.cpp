@@ -1,0 +1,36 @@
+// The nodes as nodelets of one manager.
+#include <nodelet/nodelet.h>
+#include <pluginlib/class_list_macros.hpp>
+
+#include <exception>
+#include <memory>
+
+#include "nodes/clean_shutdown.h"
+#include "nodes/live_twin_bridge.h"
+#include "nodes/virtual_rig_bridge.h"
+
+namespace wheel_twin::nodes {
+
+template <typename Bridge>
+class BridgeNodelet : public nodelet::Nodelet {
+ private:
+  void onInit() override {
+    shut_down_on_sigterm();
+    try {
+      bridge_ = std::make_unique<Bridge>(getNodeHandle(), getPrivateNodeHandle());
+    } catch (const std::exception& error) {
+      NODELET_FATAL("%s", error.what());
+      throw;
+    }
+  }
+
+  std::unique_ptr<Bridge> bridge_;
+};
+
+using VirtualRigNodelet = BridgeNodelet<VirtualRigBridge>;
+using LiveTwinNodelet = BridgeNodelet<LiveTwinBridge>;
+
+}  // namespace wheel_twin::nodes
+
+PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::VirtualRigNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::LiveTwinNodelet, nodelet::Nodelet)

@@ -1,0 +1,26 @@
+// The real-time twin that a Follower leads: the rig's replay mode on the semi-empirical soil. A reset begins
+// another run on untouched soil.
+#pragma once
+
+#include <memory>
+
+#include "nodes/follower.h"
+#include "nodes/rig_setup.h"
+#include "rig/replay.h"
+
+namespace wheel_twin::nodes {
+
+class ReplayTwin : public FollowedTwin {
+ public:
+  explicit ReplayTwin(RigSetup setup);
+
+  rig::RigStep predict(const rig::MeasuredMotion& motion) override;
+  void reset() override;
+
+ private:
+  RigSetup setup_;
+  std::unique_ptr<rig::Contact> contact_;
+  std::unique_ptr<rig::Replay> replay_;
+};
+
+}  // namespace wheel_twin::nodes

@@ -1,0 +1,30 @@
+// What a node's parameters say about the rig, its wheel, soil and sensors: names of files in the
+// configuration folder (or paths), and what the operator sets for a run.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "nodes/params.h"
+#include "rig/contact.h"
+#include "rig/free_run.h"
+#include "terramechanics/soil.h"
+#include "terramechanics/wheel.h"
+
+namespace wheel_twin::nodes {
+
+struct RigSetup {
+  terramechanics::Wheel wheel;
+  terramechanics::Soil soil;
+  rig::RunSettings run;
+  std::string fidelity;  ///< semi_empirical or dem
+  std::string title;     ///< two lines for the view
+};
+
+/// Throws Error naming the parameter, or file, line and key.
+RigSetup read_rig_setup(Params& params);
+
+/// The soil and wheel that carry the rig. Throws Error when they make no model.
+std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup);
+
+}  // namespace wheel_twin::nodes
