@@ -166,7 +166,7 @@ void store(const State& state, Archive& archive) {
   put_vectors(archive, "angular_momentum", state.angular_momentum);
   put_vectors(archive, "orientation", state.orientation);
   archive.set("quiet_steps", state.quiet_steps);
-  put_vectors(archive, "resting_load", state.resting_load);
+  put_vectors(archive, "load", state.load);
   put_contacts(archive, "contact", state.contacts);
   put_contacts(archive, "wall_contact", state.wall_contacts);
   put_walls(archive, state.walls);
@@ -187,7 +187,7 @@ State load_state(const Archive& archive) {
   state.angular_momentum = get_vectors<Eigen::Vector3d>(archive, "angular_momentum");
   state.orientation = get_vectors<Eigen::Vector4d>(archive, "orientation");
   state.quiet_steps = archive.get<std::uint32_t>("quiet_steps");
-  state.resting_load = get_vectors<Eigen::Matrix<double, 6, 1>>(archive, "resting_load");
+  state.load = get_vectors<Eigen::Matrix<double, 7, 1>>(archive, "load");
   state.contacts = get_contacts(archive, "contact");
   state.wall_contacts = get_contacts(archive, "wall_contact");
   state.walls = get_walls(archive);

@@ -10,6 +10,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -37,6 +38,9 @@ struct WorldSettings {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< m/s^2
   double time_step = 0.0;                    ///< s; 0: step_fraction times the smallest Rayleigh time
   double step_fraction = 0.2;  ///< of the Rayleigh time (paper, Eq. 4); a step of more than 0.5 is refused
+  double smallest_size =
+      1.0;  ///< smallest size factor to come, for the Rayleigh time; add() refuses smaller ones
+  std::uint32_t particle_materials = 1;  ///< materials 0 to this minus 1 may be those of particles
   int threads = 1;
   SleepSettings sleep;
   bool track_energy = false;            ///< keeps the energy book; slower
@@ -72,7 +76,7 @@ struct ContactHistory {
   std::uint32_t facet = 0;         ///< walls: face of the part that was touched last
   float overlap = 0.0F;            ///< m, at the last step
   std::array<float, 3> shear{};    ///< tangential spring of a relative to b, m, world axes
-  std::array<float, 3> rolling{};  ///< rolling spring, m
+  std::array<float, 3> rolling{};  ///< rolling spring, rad
 };
 
 /// A touching pair of spheres, for measures (coordination number, force chains, stress).
@@ -93,8 +97,8 @@ struct State {
   std::vector<Eigen::Vector3d> position, velocity, angular_momentum;  ///< velocity, momentum at half steps
   std::vector<Eigen::Vector4d> orientation;                           ///< w, x, y, z
   std::vector<std::uint32_t> quiet_steps;  ///< steps a particle has been at rest; high bit: asleep
-  std::vector<Eigen::Matrix<double, 6, 1>>
-      resting_load;  ///< force and torque kept while asleep; empty without sleep
+  std::vector<Eigen::Matrix<double, 7, 1>>
+      load;  ///< contact force, torque, sum of normal forces at the last step
   std::vector<ContactHistory> contacts, wall_contacts;
   std::vector<Wall> walls;
   std::vector<std::uint8_t> wall_removed;
@@ -106,8 +110,9 @@ struct EnergyBook {
   double kinetic = 0.0;    ///< translation and rotation
   double potential = 0.0;  ///< gravity, zero at the world's origin
   double elastic = 0.0;    ///< normal, tangential and rolling springs
-  double damped = 0.0;     ///< viscous loss, normal and tangential, since the start
-  double friction = 0.0;   ///< sliding and spring loss on unloading, since the start
+  double damped = 0.0;     ///< viscous loss in the normal direction, since the start
+  double friction =
+      0.0;  ///< lost in the tangential direction (sliding, viscous, on unloading), since the start
   double wall_work = 0.0;  ///< work of moving walls on the particles since the start
 };
 

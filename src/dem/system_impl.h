@@ -1,0 +1,139 @@
+// The inside of System, shared by the files that implement it.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "dem/contact_law.h"
+#include "dem/kernels.h"
+#include "dem/neighbours.h"
+#include "dem/store.h"
+#include "dem/system.h"
+#include "dem/thread_team.h"
+#include "dem/wall_set.h"
+
+namespace wheel_twin::dem {
+
+/// Seconds since construction or the last lap.
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Energy that contacts lose, from the work of their forces by the trapezoidal rule over the leapfrog's
+/// steps.
+class LossBook {
+ public:
+  /// What a contact did in the last step: the part of the force that is not conservative, and its stored
+  /// energy.
+  struct Entry {
+    std::array<double, 3> tangential{};
+    double damping = 0.0;
+    double stored = 0.0;  ///< in the tangential spring, J
+    std::int64_t step = -1;
+  };
+  void record(std::uint64_t key, const float* trace, std::size_t stride, double stored, double time_step,
+              std::int64_t step);
+  void forget_old(std::int64_t step);
+  double damped = 0.0;
+  double friction = 0.0;
+  double wall_work = 0.0;
+  double last_wall_power = 0.0;
+
+ private:
+  std::unordered_map<std::uint64_t, Entry> entries_;
+};
+
+struct System::Impl {
+  Impl(const WorldSettings& settings_in, const MaterialTable& materials_in,
+       std::vector<ClumpTemplate> templates_in);
+
+  // system_build.cpp
+  void append(const std::vector<Particle>& particles);
+  void check_new(const std::vector<Particle>& particles) const;
+  void check_overlaps(std::size_t first_new);
+  void erase(const std::vector<bool>& which);
+  void resize(std::size_t bodies_count, std::size_t sphere_count);
+  void set_mass(std::size_t body);
+  void renumber();
+  void prepare_laws();
+
+  // system_lists.cpp
+  void refresh();
+  void build_outer();
+  bool allot();
+  void build_inner(std::size_t part);
+  void tune();
+  std::vector<ContactHistory> collect_histories() const;
+  void distribute_histories(const std::vector<ContactHistory>& histories);
+
+  // system_step.cpp
+  void step_once();
+  void evaluate();
+  [[noreturn]] void blame_outside() const;
+  [[noreturn]] void blame_overlap() const;
+  void record_losses();
+  MotionTask motion_task();
+
+  // system_views.cpp
+  double mass_of(std::size_t body) const { return 1.0 / bodies.inverse_mass[body]; }
+  Eigen::Vector3d full_velocity(std::size_t body) const;
+  Eigen::Vector3d full_momentum(std::size_t body) const;
+  Eigen::Matrix3d rotation(std::size_t body) const;
+  Eigen::Vector3d spin_of(std::size_t body, const Eigen::Vector3d& momentum) const;
+  Eigen::Vector3d momentum_of(std::size_t body, const Eigen::Vector3d& spin) const;
+  Particle particle_of(std::size_t body) const;
+  std::size_t memory() const;
+
+  WorldSettings settings;
+  MaterialTable materials;
+  std::vector<ClumpTemplate> templates;
+  ShapeTable shapes;
+  bool only_spheres = true;
+  double time_step = 0.0;
+  double rayleigh = 0.0;
+
+  Bodies bodies;
+  Spheres spheres;
+  std::vector<std::uint32_t> index_of_rank;  ///< place of particle number r
+  std::vector<std::uint32_t>
+      first_sphere_of_rank;  ///< public number of its first sphere; one more entry at the end
+
+  Period period;
+  Quanta quanta;
+  ContactLaw law;
+  LawTable laws;
+  std::unique_ptr<PairCoefficients> coefficients;
+  bool many_laws = false;
+
+  ThreadBounds bounds;
+  OuterList outer;
+  std::vector<PairList> lists;
+  std::vector<Array<float>> traces;
+  std::vector<ContactHistory> pending;                           ///< histories to be put into the next lists
+  bool stale = true;                                             ///< lists must be made from nothing
+  bool coefficients_stale = false;                               ///< pair coefficients must be computed again
+  double inner_floor = 0.0, outer_floor = 0.0, outer_cap = 0.0;  ///< skins, m
+  double inner_steps = 24.0;                                     ///< steps that an inner list shall last
+  double outer_steps = 400.0;
+
+  WallSet walls;
+  std::unique_ptr<ThreadTeam> team;
+  std::int64_t step = 0;
+  std::int64_t last_refresh = 0;
+  Statistics cost;
+  std::size_t touching = 0;
+  LossBook losses;
+};
+
+}  // namespace wheel_twin::dem

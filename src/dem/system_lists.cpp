@@ -1,0 +1,220 @@
+#include <algorithm>
+#include <cmath>
+
+#include "dem/system_impl.h"
+
+namespace wheel_twin::dem {
+namespace {
+
+/// What a body's spheres may move in a step at its present speed, m.
+double way_of(const Bodies& bodies, const Spheres& spheres, std::size_t b, double time_step) {
+  const SphereRow& row = spheres.row[bodies.first[b]];
+  const double v = std::sqrt(row.v[0] * row.v[0] + row.v[1] * row.v[1] + row.v[2] * row.v[2]);
+  const double w = std::sqrt(row.w[0] * row.w[0] + row.w[1] * row.w[1] + row.w[2] * row.w[2]);
+  return 1.2 * time_step * (v + w * bodies.reach[b]);
+}
+
+}  // namespace
+
+void System::Impl::refresh() {
+  Stopwatch watch;
+  if (!stale) tune();
+  if (stale || !allot()) {
+    build_outer();
+    allot();
+  }
+  lists.resize(team->size() + 1);
+  const std::vector<ContactHistory> histories = std::move(pending);
+  pending.clear();
+  team->run([&](std::size_t t) {
+    build_inner(t);
+    walls.find_inner(t, bodies, spheres, period, *coefficients);
+  });
+  build_inner(team->size());
+  if (!histories.empty()) distribute_histories(histories);
+  stale = false;
+  coefficients_stale = false;
+  last_refresh = step;
+  ++cost.list_refreshes;
+  cost.seconds_lists += watch.lap();
+}
+
+void System::Impl::build_outer() {
+  if (!stale) pending = collect_histories();
+  // The walls' touches name spheres by place; hold them by number while the bodies move in memory.
+  std::vector<WallSet::Touch> touches = walls.take_touches();
+  const auto number_of = [&](std::uint32_t sphere) {
+    const std::uint32_t b = spheres.body[sphere];
+    return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
+  };
+  for (auto& touch : touches) touch.sphere = number_of(touch.sphere);
+  const double cell = 2.0 * outer_cap;  // about a sphere's radius
+  permute(bodies, spheres, shapes, spatial_order(bodies, period, 3.0 * cell));
+  renumber();
+  place_spheres(motion_task(), 0, bodies.load.size() - kBatch);
+  std::vector<std::uint32_t> place_of(spheres.count);
+  for (std::uint32_t s = 0; s < spheres.count; ++s) place_of[number_of(s)] = s;
+  for (auto& touch : touches) touch.sphere = place_of[touch.sphere];
+
+  for (std::size_t b = 0; b < bodies.count; ++b) {
+    const double way = way_of(bodies, spheres, b, time_step);
+    bodies.reserve[b] =
+        static_cast<float>(std::min(outer_floor + outer_steps * way, outer_cap + inner_steps * way));
+    bodies.slack[b] = 0.0F;
+  }
+  walls.refill(time_step, static_cast<int>(outer_steps), outer_floor);
+  find_pairs(bodies, spheres, period, bounds, outer);
+  walls.find_outer(bodies, spheres, period, bounds);
+  walls.put_touches(std::move(touches), spheres, bounds);
+  lists.assign(team->size() + 1, {});
+  ++cost.list_builds;
+}
+
+bool System::Impl::allot() {
+  bool enough = true;
+  for (std::size_t b = 0; b < bodies.count; ++b) {
+    const double wanted = inner_floor + inner_steps * way_of(bodies, spheres, b, time_step);
+    const double whole = static_cast<double>(bodies.reserve[b]) + bodies.slack[b];
+    const auto slack = static_cast<float>(std::min(wanted, whole));
+    bodies.slack[b] = slack;
+    // Rounded down, so that the parts never exceed the whole.
+    bodies.reserve[b] = static_cast<float>((whole - slack) * (1.0 - 1e-6));
+    if (slack < 0.5 * wanted) enough = false;
+  }
+  return walls.allot(time_step, static_cast<int>(inner_steps), inner_floor) && enough;
+}
+
+void System::Impl::build_inner(std::size_t part) {
+  PairList& list = lists[part];
+  const auto& outer_i = outer.i[part];
+  const auto& outer_j = outer.j[part];
+  constexpr std::uint32_t kNew = 0xffffffffU;
+  PairList next;
+  const std::size_t guess = list.size + list.size / 16 + 64;
+  next.i.reserve(guess);
+  next.j.reserve(guess);
+  next.source.reserve(guess);
+  std::vector<std::uint32_t> from;
+  from.reserve(guess);
+  std::size_t old = 0;
+  for (std::uint32_t k = 0; k < outer_i.size(); ++k) {
+    const SphereRow& a = spheres.row[outer_i[k]];
+    const SphereRow& b = spheres.row[outer_j[k]];
+    double dx = a.x[0] - b.x[0];
+    double dy = a.x[1] - b.x[1];
+    const double dz = a.x[2] - b.x[2];
+    dx -= period.length[0] * std::nearbyint(dx * period.inverse[0]);
+    dy -= period.length[1] * std::nearbyint(dy * period.inverse[1]);
+    const double reach = static_cast<double>(a.radius) + b.radius + bodies.slack[spheres.body[outer_i[k]]] +
+                         bodies.slack[spheres.body[outer_j[k]]];
+    if (dx * dx + dy * dy + dz * dz >= reach * reach) continue;
+    while (old < list.size && list.source[old] < k) ++old;
+    next.i.push_back(outer_i[k]);
+    next.j.push_back(outer_j[k]);
+    next.source.push_back(k);
+    from.push_back(old < list.size && list.source[old] == k ? static_cast<std::uint32_t>(old) : kNew);
+  }
+  while (next.i.size() % kBatch != 0) {
+    next.i.push_back(static_cast<std::uint32_t>(spheres.count));
+    next.j.push_back(static_cast<std::uint32_t>(spheres.count + 1));
+    next.source.push_back(kNew);
+    from.push_back(kNew);
+  }
+  next.size = next.i.size();
+  for (int c = 0; c < PairList::kColumns; ++c) {
+    if (c >= PairList::kRolling && !law.rolling) continue;
+    Array<float>& to = next.columns[c];
+    const Array<float>& source = list.columns[c];
+    const bool renew = c <= PairList::kDamping && coefficients_stale;
+    to.resize(next.size);
+    for (std::size_t n = 0; n < next.size; ++n) {
+      to[n] = from[n] == kNew || renew || source.size() <= from[n] ? 0.0F : source[from[n]];
+    }
+  }
+  if (many_laws) next.law.resize(next.size);
+  for (std::size_t n = 0; n < next.size; ++n) {
+    if (next.source[n] == kNew) continue;
+    const std::uint32_t a = spheres.body[next.i[n]];
+    const std::uint32_t b = spheres.body[next.j[n]];
+    if (many_laws) next.law[n] = static_cast<std::uint8_t>(law_index(bodies.material[a], bodies.material[b]));
+    if (next.columns[PairList::kStiffness][n] != 0.0F) continue;
+    next.columns[PairList::kStiffness][n] = coefficients->normal_stiffness(
+        bodies.material[a], bodies.stiffness[a], spheres.row[next.i[n]].radius, bodies.material[b],
+        bodies.stiffness[b], spheres.row[next.j[n]].radius);
+    next.columns[PairList::kDamping][n] = coefficients->damping(bodies.material[a], bodies.inverse_mass[a],
+                                                                bodies.material[b], bodies.inverse_mass[b]);
+  }
+  list = std::move(next);
+}
+
+void System::Impl::tune() {
+  // A list that lasts n steps costs its making over n; every step of skin adds candidates in proportion. The
+  // best n is where the two are equal. Lists do not change results, so measured times may decide.
+  if (cost.list_refreshes < 4 || cost.steps == 0 || cost.candidates == 0) return;
+  const double lasted = std::max<double>(1.0, static_cast<double>(step - last_refresh));
+  const double refresh_seconds = cost.seconds_lists / static_cast<double>(cost.list_refreshes);
+  const double pair_seconds =
+      cost.seconds_contacts / static_cast<double>(cost.steps) / static_cast<double>(cost.candidates);
+  const double idle = static_cast<double>(cost.candidates) - static_cast<double>(touching);
+  const double growth = std::max(1.0, idle) / lasted;
+  const double best = std::sqrt(refresh_seconds / std::max(1e-12, pair_seconds * growth));
+  inner_steps = std::clamp(0.8 * inner_steps + 0.2 * best, 8.0, 100.0);
+}
+
+std::vector<ContactHistory> System::Impl::collect_histories() const {
+  std::vector<ContactHistory> histories;
+  const auto number_of = [&](std::uint32_t sphere) {
+    const std::uint32_t b = spheres.body[sphere];
+    return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
+  };
+  for (const auto& list : lists) {
+    for (std::size_t n = 0; n < list.size; ++n) {
+      const float overlap = list.columns[PairList::kOverlap][n];
+      if (overlap == 0.0F) continue;
+      ContactHistory h;
+      h.a = number_of(list.i[n]);
+      h.b = number_of(list.j[n]);
+      const float sign = h.a < h.b ? 1.0F : -1.0F;
+      if (h.a > h.b) std::swap(h.a, h.b);
+      h.overlap = overlap;
+      for (int c = 0; c < 3; ++c) {
+        h.shear[c] = sign * list.columns[PairList::kShear + c][n];
+        if (law.rolling) h.rolling[c] = sign * list.columns[PairList::kRolling + c][n];
+      }
+      histories.push_back(h);
+    }
+  }
+  std::sort(histories.begin(), histories.end(), [](const ContactHistory& p, const ContactHistory& q) {
+    return p.a != q.a ? p.a < q.a : p.b < q.b;
+  });
+  return histories;
+}
+
+void System::Impl::distribute_histories(const std::vector<ContactHistory>& histories) {
+  std::vector<std::uint32_t> start(spheres.count + 1, 0);
+  for (const auto& h : histories) ++start[h.a + 1];
+  for (std::size_t s = 0; s < spheres.count; ++s) start[s + 1] += start[s];
+  for (auto& list : lists) {
+    for (std::size_t n = 0; n < list.size; ++n) {
+      if (list.i[n] >= spheres.count) continue;
+      const auto number_of = [&](std::uint32_t sphere) {
+        const std::uint32_t b = spheres.body[sphere];
+        return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
+      };
+      std::uint32_t a = number_of(list.i[n]);
+      std::uint32_t b = number_of(list.j[n]);
+      const float sign = a < b ? 1.0F : -1.0F;
+      if (a > b) std::swap(a, b);
+      for (std::uint32_t k = start[a]; k < start[a + 1]; ++k) {
+        if (histories[k].b != b) continue;
+        list.columns[PairList::kOverlap][n] = histories[k].overlap;
+        for (int c = 0; c < 3; ++c) {
+          list.columns[PairList::kShear + c][n] = sign * histories[k].shear[c];
+          if (law.rolling) list.columns[PairList::kRolling + c][n] = sign * histories[k].rolling[c];
+        }
+      }
+    }
+  }
+}
+
+}  // namespace wheel_twin::dem

@@ -1,0 +1,402 @@
+#include "dem/wall_set.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace wheel_twin::dem {
+namespace {
+
+constexpr double kSamePlace = 0.02;  ///< of the radius: two closest points that are one contact
+
+/// The image of `x` that is nearest to `center` on the periodic axes.
+Eigen::Vector3d image_near(const Eigen::Vector3d& x, const Eigen::Vector3d& center, const Period& period) {
+  Eigen::Vector3d y = x;
+  for (int a = 0; a < 2; ++a) y[a] -= period.length[a] * std::round((x[a] - center[a]) * period.inverse[a]);
+  return y;
+}
+
+/// Where on the periodic axes a face is: its middle, for half-spaces the sphere itself.
+Eigen::Vector3d middle_of(const Facet& facet, const Eigen::Vector3d& fallback) {
+  switch (facet.kind) {
+    case Facet::Kind::kTriangle:
+      return (facet.a + facet.b + facet.c) / 3.0;
+    case Facet::Kind::kRing:
+      return facet.a + 0.5 * (facet.h0 + facet.h1) * facet.b;
+    default:
+      return fallback;
+  }
+}
+
+Eigen::Vector3d center_of(const SphereRow& row) {
+  return {row.x[0], row.x[1], row.x[2]};
+}
+
+double rotated_distance(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double radius) {
+  return a.angularDistance(b) * radius;
+}
+
+}  // namespace
+
+struct WallSet::Found {
+  const Candidate* candidate;
+  ClosestPoint closest;
+};
+
+std::uint32_t WallSet::add(const Wall& wall) {
+  if (!wall.pose.position.allFinite() || !wall.pose.orientation.coeffs().allFinite() ||
+      !wall.motion.velocity.allFinite() || !wall.motion.angular_velocity.allFinite()) {
+    throw Error(fmt::format("wall '{}': pose or motion is not finite", wall.name));
+  }
+  Part part;
+  part.wall = wall;
+  part.wall.pose.orientation.normalize();
+  part.facets = make_facets(part.wall);
+  measure(part);
+  parts_.push_back(std::move(part));
+  return static_cast<std::uint32_t>(parts_.size() - 1);
+}
+
+void WallSet::measure(Part& part) const {
+  part.radius = 0.0;
+  const Eigen::Vector3d& origin = part.wall.pose.position;
+  for (const auto& facet : part.facets) {
+    if (facet.kind == Facet::Kind::kTriangle) {
+      for (const auto* v : {&facet.a, &facet.b, &facet.c})
+        part.radius = std::max(part.radius, (*v - origin).norm());
+    } else if (facet.kind == Facet::Kind::kRing) {
+      part.radius = std::max({part.radius, std::hypot(facet.r0, facet.h0), std::hypot(facet.r1, facet.h1)});
+    } else {
+      part.radius = 2.0;
+    }
+  }
+}
+
+void WallSet::remove(std::uint32_t wall) {
+  parts_.at(wall).removed = true;
+  parts_[wall].facets.clear();
+}
+
+void WallSet::set_pose(std::uint32_t wall, const Pose& pose, const Motion& motion) {
+  Part& part = parts_.at(wall);
+  part.slack -= (pose.position - part.wall.pose.position).norm() +
+                rotated_distance(pose.orientation, part.wall.pose.orientation, part.radius);
+  part.wall.pose = pose;
+  part.wall.pose.orientation.normalize();
+  part.wall.motion = motion;
+  part.placed = true;
+  place_facets(part.wall, part.facets);
+}
+
+void WallSet::set_mesh(std::uint32_t wall, const Mesh& mesh) {
+  Part& part = parts_.at(wall);
+  const auto* old = std::get_if<Mesh>(&part.wall.shape);
+  if (old == nullptr || old->vertices.size() != mesh.vertices.size() || old->triangles != mesh.triangles) {
+    throw Error(fmt::format("wall '{}': a new shape must have the old one's faces", part.wall.name));
+  }
+  double way = 0.0;
+  for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
+    way = std::max(way, (mesh.vertices[k] - old->vertices[k]).norm());
+  }
+  part.slack -= way;
+  part.wall.shape = mesh;
+  place_facets(part.wall, part.facets);
+  measure(part);
+}
+
+double WallSet::advance(double time_step) {
+  double smallest = 1e30;
+  for (auto& part : parts_) {
+    if (part.removed) continue;
+    const Motion& motion = part.wall.motion;
+    if (part.placed) {
+      part.placed = false;
+    } else if (!motion.velocity.isZero(0.0) || !motion.angular_velocity.isZero(0.0)) {
+      part.wall.pose.position += time_step * motion.velocity;
+      const double angle = motion.angular_velocity.norm() * time_step;
+      if (angle > 0.0) {
+        const Eigen::Quaterniond turn(Eigen::AngleAxisd(angle, motion.angular_velocity.normalized()));
+        part.wall.pose.orientation = (turn * part.wall.pose.orientation).normalized();
+      }
+      part.slack -= motion.velocity.norm() * time_step + angle * part.radius;
+      place_facets(part.wall, part.facets);
+    }
+    smallest = std::min(smallest, part.slack);
+  }
+  return smallest;
+}
+
+bool WallSet::allot(double time_step, int steps, double least) {
+  bool enough = true;
+  for (auto& part : parts_) {
+    if (part.removed) continue;
+    const double speed =
+        part.wall.motion.velocity.norm() + part.wall.motion.angular_velocity.norm() * part.radius;
+    part.reserve += part.slack;
+    const double wanted = least + 1.2 * speed * time_step * steps;
+    part.slack = std::min(wanted, part.reserve);
+    part.reserve -= part.slack;
+    if (part.slack < 0.5 * wanted) enough = false;
+  }
+  return enough;
+}
+
+void WallSet::refill(double time_step, int steps, double least) {
+  for (auto& part : parts_) {
+    const double speed =
+        part.wall.motion.velocity.norm() + part.wall.motion.angular_velocity.norm() * part.radius;
+    part.reserve = least + 1.2 * speed * time_step * steps;
+    part.slack = 0.0;
+  }
+}
+
+std::uint32_t WallSet::surface_of(std::uint32_t part) const {
+  const std::int32_t surface = parts_[part].wall.surface;
+  return surface < 0 ? part : 0x80000000U + static_cast<std::uint32_t>(surface);
+}
+
+void WallSet::find_outer(const Bodies& bodies, const Spheres& spheres, const Period& period,
+                         const ThreadBounds& bounds) {
+  const std::size_t threads = bounds.size() - 1;
+  threads_.resize(threads);
+  for (auto& thread : threads_) thread.outer.clear();
+  for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+    const Part& part = parts_[p];
+    for (std::uint32_t f = 0; f < part.facets.size(); ++f) {
+      const Facet& facet = part.facets[f];
+      Eigen::Vector3d low;
+      Eigen::Vector3d high;
+      bounds_of(facet, low, high);
+      const Eigen::Vector3d middle = 0.5 * (low + high);
+      const Eigen::Vector3d half = 0.5 * (high - low);
+      const bool plane = facet.kind == Facet::Kind::kHalfSpace;
+      for (std::size_t t = 0; t < threads; ++t) {
+        for (std::size_t b = bounds[t]; b < bounds[t + 1]; ++b) {
+          const double skin = bodies.reserve[b] + part.reserve;
+          const std::uint32_t end =
+              b + 1 < bodies.count ? bodies.first[b + 1] : static_cast<std::uint32_t>(spheres.count);
+          for (std::uint32_t s = bodies.first[b]; s < end; ++s) {
+            const SphereRow& row = spheres.row[s];
+            const double range = row.radius + skin;
+            if (plane) {
+              if (facet.b.dot(center_of(row) - facet.a) >= range) continue;
+            } else {
+              const Eigen::Vector3d x = image_near(center_of(row), middle, period);
+              if (((x - middle).cwiseAbs() - half).maxCoeff() >= range) continue;
+              if (closest_point(facet, x).distance >= range) continue;
+            }
+            threads_[t].outer.push_back({s, surface_of(p), p, f, 0.0F, 0.0F, 0});
+          }
+        }
+      }
+    }
+  }
+  for (auto& thread : threads_) {
+    std::sort(thread.outer.begin(), thread.outer.end(), [](const Candidate& a, const Candidate& b) {
+      return std::tie(a.sphere, a.surface, a.part, a.facet) < std::tie(b.sphere, b.surface, b.part, b.facet);
+    });
+  }
+}
+
+void WallSet::find_inner(std::size_t t, const Bodies& bodies, const Spheres& spheres, const Period& period,
+                         const PairCoefficients& coefficients) {
+  Thread& thread = threads_[t];
+  thread.inner.clear();
+  for (const auto& c : thread.outer) {
+    const Part& part = parts_[c.part];
+    const std::uint32_t b = spheres.body[c.sphere];
+    const Facet& facet = part.facets[c.facet];
+    const SphereRow& row = spheres.row[c.sphere];
+    const Eigen::Vector3d x = image_near(center_of(row), middle_of(facet, center_of(row)), period);
+    if (closest_point(facet, x).distance >= row.radius + bodies.slack[b] + part.slack) continue;
+    Candidate near = c;
+    near.stiffness = coefficients.normal_stiffness(bodies.material[b], bodies.stiffness[b], row.radius,
+                                                   part.wall.material, 1.0, 0.0);
+    near.damping = coefficients.damping(bodies.material[b], bodies.inverse_mass[b], part.wall.material, 0.0);
+    near.law = static_cast<std::uint8_t>(law_index(bodies.material[b], part.wall.material));
+    thread.inner.push_back(near);
+  }
+}
+
+void WallSet::resolve(Thread& thread, std::size_t begin, std::size_t end, const Spheres& spheres,
+                      const Period& period, std::vector<Found>& found) const {
+  found.clear();
+  const SphereRow& row = spheres.row[thread.inner[begin].sphere];
+  const Eigen::Vector3d center = center_of(row);
+  for (std::size_t k = begin; k < end; ++k) {
+    const Candidate& candidate = thread.inner[k];
+    const Facet& facet = parts_[candidate.part].facets[candidate.facet];
+    const Eigen::Vector3d x = image_near(center, middle_of(facet, center), period);
+    ClosestPoint closest = closest_point(facet, x);
+    if (closest.distance < row.radius) found.push_back({&candidate, closest});
+  }
+  if (found.size() < 2) return;
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Found& a, const Found& b) { return a.closest.distance < b.closest.distance; });
+  std::size_t kept = 1;
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    bool same = false;
+    for (std::size_t m = 0; m < kept && !same; ++m) {
+      const Facet& deeper = parts_[found[m].candidate->part].facets[found[m].candidate->facet];
+      const Eigen::Vector3d x = image_near(found[k].closest.point, middle_of(deeper, center), period);
+      same = std::fabs(closest_point(deeper, x).distance) < kSamePlace * row.radius;
+    }
+    if (!same) found[kept++] = found[k];
+  }
+  found.resize(kept);
+  std::sort(found.begin(), found.end(),
+            [](const Found& a, const Found& b) { return a.candidate < b.candidate; });
+}
+
+void WallSet::collect(std::size_t t, const Spheres& spheres, const Period& period, bool rolls) {
+  Thread& thread = threads_[t];
+  thread.before.swap(thread.touches);
+  thread.touches.clear();
+  thread.point.clear();
+  std::vector<Found> found;
+  std::vector<bool> passed_on;
+  std::vector<const Candidate*> chosen;
+  std::vector<ClosestPoint> where;
+  std::size_t old = 0;
+  for (std::size_t begin = 0; begin < thread.inner.size();) {
+    const std::uint32_t sphere = thread.inner[begin].sphere;
+    const std::uint32_t surface = thread.inner[begin].surface;
+    std::size_t end = begin + 1;
+    while (end < thread.inner.size() && thread.inner[end].sphere == sphere &&
+           thread.inner[end].surface == surface)
+      ++end;
+    resolve(thread, begin, end, spheres, period, found);
+    const auto key = [&](const Touch& touch) { return std::make_pair(touch.sphere, surface_of(touch.part)); };
+    while (old < thread.before.size() && key(thread.before[old]) < std::make_pair(sphere, surface)) ++old;
+    std::size_t old_end = old;
+    while (old_end < thread.before.size() && key(thread.before[old_end]) == std::make_pair(sphere, surface))
+      ++old_end;
+    passed_on.assign(old_end - old, false);
+    const std::size_t first = thread.touches.size();
+    for (const auto& f : found) {
+      Touch touch{sphere, f.candidate->part, f.candidate->facet, {}, 0.0F, {}, {}};
+      for (std::size_t k = old; k < old_end; ++k) {
+        if (thread.before[k].part == touch.part && thread.before[k].facet == touch.facet) {
+          touch = thread.before[k];
+          passed_on[k - old] = true;
+        }
+      }
+      thread.touches.push_back(touch);
+      chosen.push_back(f.candidate);
+      where.push_back(f.closest);
+    }
+    for (std::size_t n = first; n < thread.touches.size(); ++n) {
+      Touch& touch = thread.touches[n];
+      for (std::size_t k = old; k < old_end && touch.overlap == 0.0F; ++k) {
+        if (passed_on[k - old]) continue;
+        passed_on[k - old] = true;
+        const Candidate& candidate = *chosen[n];
+        touch = thread.before[k];
+        touch.part = candidate.part;
+        touch.facet = candidate.facet;
+      }
+    }
+    old = old_end;
+    begin = end;
+  }
+  WallContacts& contacts = thread.contacts;
+  contacts.resize(thread.touches.size(), rolls);
+  for (std::size_t k = 0; k < contacts.sphere.size(); ++k) {
+    const bool real = k < contacts.size;
+    const Candidate* candidate = real ? chosen[k] : nullptr;
+    const Part* part = real ? &parts_[candidate->part] : nullptr;
+    contacts.sphere[k] = real ? candidate->sphere : static_cast<std::uint32_t>(spheres.count);
+    contacts.law[k] = real ? candidate->law : 0;
+    contacts.stiffness[k] = real ? candidate->stiffness : 0.0F;
+    contacts.damping[k] = real ? candidate->damping : 0.0F;
+    contacts.distance[k] = real ? where[k].distance : 1e9;
+    contacts.overlap[k] = real ? thread.touches[k].overlap : 0.0F;
+    const Eigen::Vector3d speed =
+        real ? Eigen::Vector3d(part->wall.motion.velocity + part->wall.motion.angular_velocity.cross(
+                                                                where[k].point - part->wall.pose.position))
+             : Eigen::Vector3d::Zero();
+    for (int a = 0; a < 3; ++a) {
+      contacts.normal[a][k] = real ? where[k].normal[a] : 0.0;
+      contacts.velocity[a][k] = static_cast<float>(speed[a]);
+      contacts.spin[a][k] = real ? static_cast<float>(part->wall.motion.angular_velocity[a]) : 0.0F;
+      contacts.shear[a][k] = real ? thread.touches[k].shear[a] : 0.0F;
+      if (rolls) contacts.rolling[a][k] = real ? thread.touches[k].rolling[a] : 0.0F;
+    }
+    if (real) thread.point.push_back(where[k].point);
+  }
+}
+
+void WallSet::finish(std::size_t t, const Quanta& quanta, bool rolls) {
+  Thread& thread = threads_[t];
+  thread.wrench.assign(7 * parts_.size(), 0.0);
+  const WallContacts& contacts = thread.contacts;
+  // The sum over a wall is larger than that on a particle: a coarser quantum, still exact in any order.
+  const double force_magic = 1024.0 * quanta.force_magic;
+  const double torque_magic = 1024.0 * quanta.torque_magic;
+  for (std::size_t k = 0; k < contacts.size; ++k) {
+    Touch& touch = thread.touches[k];
+    const Part& part = parts_[touch.part];
+    const Eigen::Vector3d force{-contacts.force[0][k], -contacts.force[1][k], -contacts.force[2][k]};
+    const Eigen::Vector3d torque = (thread.point[k] - part.wall.pose.position).cross(force);
+    double* sum = &thread.wrench[7 * touch.part];
+    for (int a = 0; a < 3; ++a) {
+      sum[a] += (force[a] + force_magic) - force_magic;
+      sum[3 + a] += (torque[a] + torque_magic) - torque_magic;
+      sum[6] -= force[a] * static_cast<double>(contacts.velocity[a][k]);
+      touch.shear[a] = contacts.shear[a][k];
+      if (rolls) touch.rolling[a] = contacts.rolling[a][k];
+    }
+    touch.overlap = contacts.overlap[k];
+  }
+}
+
+void WallSet::sum_wrenches() {
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    double sum[7] = {};
+    for (const auto& thread : threads_) {
+      if (thread.wrench.size() < 7 * (p + 1)) continue;
+      for (int a = 0; a < 7; ++a) sum[a] += thread.wrench[7 * p + a];
+    }
+    std::copy(sum, sum + 6, parts_[p].wrench);
+    parts_[p].power = sum[6];
+  }
+}
+
+std::vector<WallSet::Touch> WallSet::take_touches() {
+  std::vector<Touch> all;
+  for (auto& thread : threads_) {
+    all.insert(all.end(), thread.touches.begin(), thread.touches.end());
+    thread.touches.clear();
+    thread.before.clear();
+  }
+  return all;
+}
+
+void WallSet::put_touches(std::vector<Touch> touches, const Spheres& spheres, const ThreadBounds& bounds) {
+  threads_.resize(bounds.size() - 1);
+  for (auto& thread : threads_) thread.touches.clear();
+  std::sort(touches.begin(), touches.end(), [&](const Touch& a, const Touch& b) {
+    return std::make_tuple(a.sphere, surface_of(a.part), a.part, a.facet) <
+           std::make_tuple(b.sphere, surface_of(b.part), b.part, b.facet);
+  });
+  for (const auto& touch : touches) {
+    if (parts_[touch.part].removed) continue;
+    std::size_t t = 0;
+    while (spheres.body[touch.sphere] >= bounds[t + 1]) ++t;
+    threads_[t].touches.push_back(touch);
+  }
+}
+
+std::size_t WallSet::bytes() const {
+  std::size_t sum = 0;
+  for (const auto& thread : threads_) {
+    sum += (thread.outer.capacity() + thread.inner.capacity()) * sizeof(Candidate) +
+           (thread.touches.capacity() + thread.before.capacity()) * sizeof(Touch);
+  }
+  return sum;
+}
+
+}  // namespace wheel_twin::dem
