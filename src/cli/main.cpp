@@ -12,6 +12,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   wheel_twin::cli::add_run(app);
   wheel_twin::cli::add_import(app);
+  wheel_twin::cli::add_check(app);
+  wheel_twin::cli::add_compare(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -142,7 +142,8 @@ Run entry_of(const RunRow& row, double speed_factor) {
   run.role = Role::measured;
   run.slip = row.slip;
   run.load = declared_load;
-  run.wheel_speed = 1e-3 * speed_factor * row.vry_mm_s / controller_radius;
+  // As everywhere here (rig/speeds.h): of the faster of rim and carriage, the slip says the rest.
+  run.wheel_speed = 1e-3 * speed_factor * std::max(row.vx_mm_s, row.vry_mm_s) / controller_radius;
   // Lateral is positive to the sensor's +x, which is the right; a positive beta turns the wheel there.
   run.steering_angle = -row.angle_deg * pi / 180.0;
   run.group = row.day;

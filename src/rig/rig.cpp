@@ -1,5 +1,6 @@
 #include "rig/rig.h"
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>

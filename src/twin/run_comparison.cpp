@@ -1,0 +1,282 @@
+#include "twin/run_comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "rig/replay.h"
+#include "rig/semi_empirical_contact.h"
+#include "rig/speeds.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr double moving = 1e-3;  // a rig whose rim and carriage are slower stands, m/s
+
+const std::optional<logs::Average>& average_of(const logs::Averages& averages, Channel channel) {
+  switch (channel) {
+    case Channel::drawbar_pull:
+      return averages.drawbar_pull;
+    case Channel::side_force:
+      return averages.side_force;
+    case Channel::normal_load:
+      return averages.normal_load;
+    case Channel::hub_displacement:
+      return averages.hub_displacement;
+    case Channel::pitch_torque:
+      return averages.pitch_torque;
+    case Channel::motor_effort:
+      break;
+  }
+  return averages.motor_effort;
+}
+
+// Means over a window that is centred on each sample and shorter at the ends.
+std::vector<double> low_passed(const std::vector<double>& time, const std::vector<double>& value,
+                               double window) {
+  std::vector<double> result(value.size());
+  std::size_t first = 0, last = 0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    while (last < value.size() && time[last] <= time[i] + 0.5 * window) sum += value[last++];
+    while (time[first] < time[i] - 0.5 * window) sum -= value[first++];
+    result[i] = sum / static_cast<double>(last - first);
+  }
+  return result;
+}
+
+struct Interval {
+  double start = 0.0;
+  double end = 0.0;
+  bool has(double time) const { return time >= start && time <= end; }
+};
+
+Interval moving_part(const run_log::JointSeries& joints, double radius) {
+  Interval interval;
+  bool found = false;
+  for (std::size_t i = 0; i < joints.time.size(); ++i) {
+    const double speed =
+        std::max(std::abs(joints.carriage_velocity[i]), std::abs(radius * joints.wheel_rate[i]));
+    if (speed < moving) continue;
+    if (!found) interval.start = joints.time[i];
+    interval.end = joints.time[i];
+    found = true;
+  }
+  return interval;
+}
+
+std::vector<double> window_times(const Interval& window) {
+  constexpr double spacing = 0.05;
+  std::vector<double> times;
+  for (int i = 0; window.start + spacing * i <= window.end; ++i) times.push_back(window.start + spacing * i);
+  return times;
+}
+
+std::vector<double> merged(std::vector<double> a, const std::vector<double>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  std::sort(a.begin(), a.end());
+  a.erase(std::unique(a.begin(), a.end()), a.end());
+  return a;
+}
+
+struct Series {
+  std::vector<double> time;
+  std::vector<double> value;
+};
+
+double mean_over(const Series& series, const Interval& interval) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < series.time.size(); ++i)
+    if (interval.has(series.time[i])) sum += series.value[i], count += 1.0;
+  return count > 0.0 ? sum / count : std::nan("");
+}
+
+double wrench_part(const rig::WrenchReading& reading, Channel channel) {
+  switch (channel) {
+    case Channel::drawbar_pull:
+      return reading.force.x();
+    case Channel::side_force:
+      return reading.force.y();
+    case Channel::normal_load:
+      return reading.force.z();
+    default:
+      return reading.torque.y();
+  }
+}
+
+bool is_wrench(Channel channel) {
+  return channel != Channel::hub_displacement && channel != Channel::motor_effort;
+}
+
+// The twin's readings of a channel at all stamps that were asked for.
+Series twin_series(Channel channel, const rig::Prediction& prediction, const rig::SampleTimes& times) {
+  Series series;
+  if (is_wrench(channel)) {
+    series.time = times.wrench;
+    for (const auto& reading : prediction.wrench) series.value.push_back(wrench_part(reading, channel));
+  } else if (channel == Channel::hub_displacement) {
+    series = {times.displacement, prediction.displacement};
+  } else {
+    series = {times.effort, prediction.effort};
+  }
+  return series;
+}
+
+Series measured_series(Channel channel, const run_log::RunLog& log) {
+  Series series;
+  if (channel == Channel::hub_displacement) {
+    series = {log.draw_wire.time, log.draw_wire.value};
+  } else if (channel == Channel::motor_effort) {
+    if (!log.joints.wheel_effort.empty()) series = {log.joints.time, log.joints.wheel_effort};
+  } else {
+    series.time = log.ft.time;
+    for (std::size_t i = 0; i < log.ft.time.size(); ++i)
+      series.value.push_back(wrench_part({log.ft.force[i], log.ft.torque[i]}, channel));
+  }
+  return series;
+}
+
+// The twin's values at the stamps of `measured`, which are among its own.
+SeriesComparison paired(const Series& measured, const Series& twin) {
+  SeriesComparison result;
+  std::size_t j = 0;
+  for (std::size_t i = 0; i < measured.time.size(); ++i) {
+    while (j + 1 < twin.time.size() && twin.time[j] < measured.time[i]) ++j;
+    result.time.push_back(measured.time[i]);
+    result.measured.push_back(measured.value[i]);
+    result.twin.push_back(twin.value[j]);
+  }
+  return result;
+}
+
+rig::RunConditions conditions_of(const RunComparison& comparison) {
+  rig::RunConditions conditions;
+  conditions.slip = comparison.run.slip;
+  conditions.load = comparison.load;
+  conditions.wheel_speed = comparison.run.wheel_speed;
+  conditions.steering_angle = comparison.run.steering_angle;
+  return conditions;
+}
+
+void compare_log(const TwinModel& model, const run_log::RunLog& log, const ComparisonOptions& options,
+                 RunComparison& comparison) {
+  const rig::RunConditions conditions = conditions_of(comparison);
+  const rig::MotionSeries motion = rig::motion_of_log(log, conditions);
+  const double start = motion.front().time;
+  Interval window;
+  rig::SampleTimes times{log.ft.time, log.draw_wire.time, {}};
+  if (!log.joints.wheel_effort.empty()) times.effort = log.joints.time;
+  const auto& averages = comparison.run.averages;
+  if (averages) {
+    window = {start + averages->window_start, start + averages->window_end};
+    if (window.end > motion.back().time + 0.1)
+      throw Error(fmt::format("the averages are over {:.1f} to {:.1f} s, the log ends at {:.1f} s",
+                              averages->window_start, averages->window_end, motion.back().time - start));
+    const std::vector<double> extra = window_times(window);
+    times.wrench = merged(times.wrench, extra);
+    times.displacement = merged(times.displacement, extra);
+    if (averages->motor_effort) times.effort = merged(times.effort, extra);
+  }
+  rig::SemiEmpiricalContact contact(model.wheel, model.soil, model.ports);
+  rig::ReplayOptions replay;
+  replay.step = options.step;
+  const rig::Prediction prediction =
+      rig::predict(model.rig, conditions, model.wheel.radius, contact, model.ports, motion, times, replay);
+  const Interval in_motion = moving_part(log.joints, model.wheel.radius);
+  for (const Channel channel : all_channels) {
+    if (channel == Channel::normal_load && comparison.measured_load) continue;
+    const Series twin = twin_series(channel, prediction, times);
+    Series measured = measured_series(channel, log);
+    const logs::Average* average = nullptr;
+    if (averages && average_of(*averages, channel)) average = &*average_of(*averages, channel);
+    if (twin.time.empty() || (measured.time.empty() && average == nullptr)) continue;
+    ChannelComparison result;
+    if (!measured.time.empty()) result.series = paired(measured, twin);
+    if (average != nullptr) {
+      result.mean = {average->mean, mean_over(twin, window)};
+      result.error = std::abs(result.mean.twin - result.mean.measured);
+      result.from_average = true;
+    } else {
+      const Series twin_there{result.series->time, result.series->twin};
+      const std::vector<double> a = low_passed(measured.time, measured.value, options.low_pass);
+      const std::vector<double> b = low_passed(twin_there.time, twin_there.value, options.low_pass);
+      double sum = 0.0, count = 0.0;
+      for (std::size_t i = 0; i < a.size(); ++i)
+        if (in_motion.has(measured.time[i])) sum += (a[i] - b[i]) * (a[i] - b[i]), count += 1.0;
+      if (count == 0.0) continue;
+      result.mean = {mean_over(measured, in_motion), mean_over(twin_there, in_motion)};
+      result.error = std::sqrt(sum / count);
+    }
+    if (result.series)
+      for (double& time : result.series->time) time -= start;
+    comparison.channels[index_of(channel)] = std::move(result);
+  }
+}
+
+// Averages alone: the steady state at the declared slip.
+void compare_averages(const TwinModel& model, RunComparison& comparison) {
+  const rig::RunConditions conditions = conditions_of(comparison);
+  const rig::Speeds speeds = rig::speeds_of_slip(conditions.slip, conditions.wheel_speed, model.wheel.radius);
+  const logs::Averages& averages = *comparison.run.averages;
+  // The wheel rolls in at constant speed for as long as in the run: effects that need time or travel have
+  // theirs.
+  rig::MotionSeries motion;
+  constexpr double spacing = 0.05;
+  const auto steps = static_cast<int>(std::ceil(averages.window_end / spacing));
+  for (int i = 0; i <= steps; ++i) {
+    rig::MeasuredMotion at;
+    at.time = spacing * i;
+    at.carriage_velocity = speeds.carriage;
+    at.wheel_rate = speeds.wheel;
+    at.carriage_position = speeds.carriage * at.time;
+    at.wheel_angle = speeds.wheel * at.time;
+    at.load = conditions.load;
+    at.steering_angle = conditions.steering_angle;
+    motion.push_back(at);
+  }
+  const Interval window{averages.window_start, averages.window_end};
+  const std::vector<double> grid = window_times(window);
+  const rig::SampleTimes times{grid, grid, grid};
+  rig::SemiEmpiricalContact contact(model.wheel, model.soil, model.ports);
+  rig::ReplayOptions replay;
+  replay.step = spacing;
+  const rig::Prediction prediction =
+      rig::predict(model.rig, conditions, model.wheel.radius, contact, model.ports, motion, times, replay);
+  for (const Channel channel : all_channels) {
+    const auto& average = average_of(averages, channel);
+    if (!average || (channel == Channel::normal_load && comparison.measured_load)) continue;
+    ChannelComparison result;
+    result.mean = {average->mean, mean_over(twin_series(channel, prediction, times), window)};
+    result.error = std::abs(result.mean.twin - result.mean.measured);
+    result.from_average = true;
+    comparison.channels[index_of(channel)] = std::move(result);
+  }
+}
+
+}  // namespace
+
+RunComparison compare_run(const TwinModel& model, const logs::Run& run, const std::string& name,
+                          const run_log::RunLog* log, const ComparisonOptions& options) {
+  RunComparison comparison;
+  comparison.name = name;
+  comparison.run = run;
+  comparison.measured_load = run.averages && run.averages->normal_load;
+  comparison.load = comparison.measured_load ? run.averages->normal_load->mean : run.load;
+  try {
+    if (log != nullptr && !log->joints.time.empty())
+      compare_log(model, *log, options, comparison);
+    else if (run.averages)
+      compare_averages(model, comparison);
+    else
+      comparison.failure =
+          "the bag has no joint states, so no motion to lead the twin, and there are no averages";
+  } catch (const Error& error) {
+    comparison.channels = {};
+    comparison.failure = error.what();
+  }
+  return comparison;
+}
+
+}  // namespace wheel_twin::twin
