@@ -109,11 +109,13 @@ std::string svg(const Plot& plot, int width, int height) {
         "<path d=\"M{1:.1f} {0:.1f}H{2:.1f}\" stroke=\"#e4e4e4\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
         "text-anchor=\"end\">{5}</text>\n",
         py(v), left, left + w, left - 7, py(v) + 4.5, tick_text(v, y.tick));
+  // Pictures share a page: an id names the area itself, so that equal ids clip equally.
+  const std::string area = fmt::format("area_{:.0f}_{:.0f}_{:.0f}_{:.0f}", left, top, w, h);
   out += fmt::format(
-      "<clipPath id=\"area\"><rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" "
-      "height=\"{:.1f}\"/></clipPath>\n",
-      left - 5, top - 5, w + 10, h + 10);
-  out += "<g clip-path=\"url(#area)\">\n";
+      "<clipPath id=\"{}\"><rect x=\"{:.0f}\" y=\"{:.0f}\" width=\"{:.0f}\" "
+      "height=\"{:.0f}\"/></clipPath>\n",
+      area, left - 5, top - 5, w + 10, h + 10);
+  out += fmt::format("<g clip-path=\"url(#{})\">\n", area);
   for (std::size_t i = 0; i < plot.series.size(); ++i) {
     const PlotSeries& s = plot.series[i];
     const char* color = palette[(s.color >= 0 ? s.color : static_cast<int>(i)) % palette.size()];
