@@ -15,7 +15,8 @@ class SampleClock {
   template <typename Sample>
   void until(double time, const Sample& sample) {
     constexpr double slack = 1e-9;  // s, rounding of times
-    for (double due = next(); due <= time + slack; due = next()) {
+    while (next() <= time + slack) {
+      const double due = next();
       const double share = time > last_ && due < time ? (due - last_) / (time - last_) : 1.0;
       sample(due, share < 0.0 ? 0.0 : share);
       ++taken_;
