@@ -58,7 +58,7 @@ TEST(PlateFit, ErrorsAreThoseBetweenTests) {
   // itself is known to 1/sqrt(2 40).
   Random random(7);
   double squares = 0.0;
-  constexpr int experiments = 40;
+  constexpr int experiments = 16;
   for (int e = 0; e < experiments; ++e) {
     std::vector<PressCurve> curves;
     for (int t = 0; t < 9; ++t)
@@ -68,8 +68,8 @@ TEST(PlateFit, ErrorsAreThoseBetweenTests) {
     squares += std::pow((fit.n.value - n) / fit.n.standard_error, 2);
     EXPECT_NEAR(fit.between_tests_exponent, 0.08, 0.07);
   }
-  EXPECT_GT(std::sqrt(squares / experiments), 0.7);
-  EXPECT_LT(std::sqrt(squares / experiments), 1.5);
+  EXPECT_GT(std::sqrt(squares / experiments), 0.5);
+  EXPECT_LT(std::sqrt(squares / experiments), 1.6);
 }
 
 TEST(PlateFit, PlatesOfOneSizeCannotSeparateTheModuli) {
