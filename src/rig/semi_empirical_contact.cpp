@@ -96,6 +96,17 @@ RigState SemiEmpiricalContact::rig_state(const HubMotion& motion, const Moment& 
   return s;
 }
 
+double SemiEmpiricalContact::stiffness(const ContactState& state, bool rolling, const SoilChange& change) {
+  const double h = state.hub_displacement, slip = now_.operation.slip;
+  if (rolling != stiffness_.rolling || !(std::abs(h - stiffness_.hub_displacement) <= 0.01 * h) ||
+      std::abs(slip - stiffness_.slip) > 0.02) {
+    const double value = rolling ? model_.vertical_stiffness(state, now_.operation, change)
+                                 : model_.vertical_stiffness_at_rest(state, change);
+    stiffness_ = {value, h, slip, rolling};
+  }
+  return stiffness_.value;
+}
+
 HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
   const Moment m = moment(motion);
   const RigState rig = rig_state(motion, m);
@@ -122,7 +133,7 @@ HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
   }
   now_.touched = true;
 
-  const double guess = state_.deflection > 0.0 ? state_.deflection : -1.0;
+  const double guess = state_.deflection > 0.0 ? state_.deflection * h / state_.hub_displacement : -1.0;
   const Operation& operation = now_.operation;
   ContactState rolling, rest;
   double rolled = 0.0;  // share of the rolling state
@@ -156,8 +167,7 @@ HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
   load.torque_hub_rig = {torque_x * cos_a - torque_z * sin_a, direction * shear * rolling.torque_y,
                          torque_x * sin_a + torque_z * cos_a};
   load.drive_torque = direction * shear * rolling.drive_torque;
-  load.vertical_stiffness = rolled > 0.5 ? model_.vertical_stiffness(rolling, operation, change)
-                                         : model_.vertical_stiffness_at_rest(rest, change);
+  load.vertical_stiffness = rolled > 0.5 ? stiffness(rolling, true, change) : stiffness(rest, false, change);
   for (const SoilPort* port : ports_.soil) load.force_hub_rig += port->added_force(rig, up);
   return load;
 }

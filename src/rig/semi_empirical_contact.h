@@ -59,6 +59,14 @@ class SemiEmpiricalContact : public Contact {
   };
   History before_, now_;
   bool started_ = false;
+
+  // The stiffness is a guide for integration: kept until the state has moved by a percent.
+  double stiffness(const terramechanics::ContactState& state, bool rolling,
+                   const terramechanics::SoilChange& change);
+  struct Stiffness {
+    double value = 0.0, hub_displacement = -1.0, slip = 0.0;
+    bool rolling = false;
+  } stiffness_;
 };
 
 }  // namespace wheel_twin::rig

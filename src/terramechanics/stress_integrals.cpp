@@ -13,7 +13,7 @@ constexpr std::array<double, 6> kNode = {0.12523340851146891, 0.3678314989981801
 constexpr std::array<double, 6> kWeight = {0.24914704581340269, 0.23349253653835464, 0.20316742672306565,
                                            0.16007832854334611, 0.10693932599531888, 0.047175336386512022};
 constexpr double kSaturated = 40.0;   // exp(-40) is nothing
-constexpr double kSteep = 6.0;        // change of |j| / K that one piece resolves
+constexpr double kSteep = 2.0;        // change of |j| / K that one piece resolves, half of it when braking
 constexpr double kTolerance = 1e-10;  // of the adaptive pieces, relative
 
 /// Running sums over theta of what contact_loads() returns, without the factors b and R.
@@ -83,8 +83,11 @@ class Integrator {
   }
 
   Sums run() {
-    // The wheel brakes: shear reverses somewhere, with a kink in tau there.
-    if (m_.forward > a_) find_reversals();
+    // The wheel brakes: shear may reverse, with a kink in tau there, and turns around where the slip velocity
+    // is zero. Near zero slip the displacement has an inflection under the hub.
+    if (m_.forward > a_) find_turns();
+    if (m_.forward > 0.8 * a_ && m_.forward <= a_) turns_[turn_count_++] = 0.0;
+    if (steering_) set_limits();
     const double rear_all = g_.theta_m - g_.theta_2;
     const double front_from = std::max(g_.theta_d, g_.theta_m);
     const double front = g_.theta_m > g_.theta_d ? g_.theta_1 - g_.theta_m : g_.front;
@@ -195,11 +198,13 @@ class Integrator {
   void piece(const Segment& s, double t0, double t1, int depth) {
     const double e0 = std::min(kSaturated, exponent(point(s, t0)));
     const double e1 = std::min(kSaturated, exponent(point(s, t1)));
-    if (std::abs(e1 - e0) > kSteep && depth < 40) {
+    // What is left of exp(-|j| / K) has weight exp(-min(e0, e1)): the tail may be coarse.
+    const double resolved = (m_.forward > a_ ? 0.5 : 1.0) * kSteep * (1.0 + 0.25 * std::min(e0, e1));
+    if (std::abs(e1 - e0) > resolved && depth < 40) {
       const double middle = 0.5 * (t0 + t1);
       piece(s, t0, middle, depth + 1);
       piece(s, middle, t1, depth + 1);
-    } else if (steering_ && m_.forward > a_) {
+    } else if (steering_) {
       sums_ += adaptive(s, t0, t1, rule(s, t0, t1), 0);
     } else {
       sums_ += rule(s, t0, t1);
@@ -213,21 +218,29 @@ class Integrator {
     const Sums left = rule(s, t0, middle), right = rule(s, middle, t1);
     Sums both = left;
     both += right;
-    const double tolerance = kTolerance * stress_scale();
-    bool good = true;
-    Sums difference = both;
-    difference.combine(whole, [&](double& a, double b) {
-      a -= b;
-      good = good && std::abs(a) <= tolerance;
-    });
-    if (good || depth > 30) return both;
+    if (agree(both, whole) || depth > 30) return both;
     Sums refined = adaptive(s, t0, middle, left, depth + 1);
     refined += adaptive(s, middle, t1, right, depth + 1);
     return refined;
   }
 
-  double stress_scale() const {
-    return (pressure(g_.z) * (1.0 + law_.tan_phi) + law_.c) * (g_.theta_1 - g_.theta_2);
+  /// Largest error of each sum that adaptive() lets pass.
+  void set_limits() {
+    const double arc = kTolerance * (g_.theta_1 - g_.theta_2);
+    const double strength = law_.c + pressure(g_.z) * (1.0 + law_.tan_phi);
+    limit_.sigma_cos = limit_.sigma_sin = limit_.tau_cos = limit_.tau_sin = limit_.tau = arc * strength;
+    limit_.side = limit_.side_cos = limit_.side_sin = arc * strength;
+    limit_.grouser = limit_.grouser_torque = arc * (grouser_0_ + grouser_z_ * g_.z);
+    limit_.wall = arc * (wall_c_ + wall_w_ * g_.z) * g_.z;
+    limit_.wall_moment_x = limit_.wall_moment_z = limit_.wall * g_.R;
+  }
+
+  bool agree(const Sums& a, const Sums& b) const {
+    Sums difference = a;
+    difference.combine(b, [](double& x, double y) { x -= y; });
+    bool good = true;
+    difference.combine(limit_, [&](double& x, double y) { good = good && std::abs(x) <= y; });
+    return good;
   }
 
   double J_at(double theta, double flattening) const {
@@ -247,13 +260,15 @@ class Integrator {
     return 0.5 * (lo + hi);
   }
 
-  void find_reversals() {
+  void find_turns() {
     const double flattening = 2.0 * (g_.theta_d - sin_d_);
     const double turn = std::acos(std::min(1.0, a_ / m_.forward));  // slip velocity is zero at +-turn
+    turns_[turn_count_++] = turn;
+    turns_[turn_count_++] = -turn;
     const auto look = [&](double lo, double hi, double flat) {
       if (!(lo < hi)) return;
       const double f_lo = J_at(lo, flat), f_hi = J_at(hi, flat);
-      if (f_lo * f_hi < 0.0) reversals_[reversal_count_++] = reversal(lo, hi, flat);
+      if (f_lo * f_hi < 0.0) turns_[turn_count_++] = reversal(lo, hi, flat);
     };
     look(g_.theta_d, std::min(turn, g_.theta_1), 0.0);
     look(std::max(g_.theta_2, -turn), std::min(-g_.theta_d, -0.0), flattening);
@@ -262,11 +277,11 @@ class Integrator {
 
   /// `from` is the angle at the segment's t = 0 end of the graded run when t0 = 0, `to` at t1.
   void segment(const Segment& s, double from, double to) {
-    std::array<double, 5> cut{};
+    std::array<double, 7> cut{};
     std::size_t cuts = 0;
     cut[cuts++] = s.t0;
-    for (std::size_t i = 0; i < reversal_count_; ++i) {
-      const double theta = reversals_[i];
+    for (std::size_t i = 0; i < turn_count_; ++i) {
+      const double theta = turns_[i];
       if (theta <= std::min(from, to) || theta >= std::max(from, to)) continue;
       const double along = s.arc == Arc::front ? g_.theta_1 - theta : theta - g_.theta_2;
       const double t = std::cbrt(along / s.length);
@@ -346,14 +361,7 @@ class Integrator {
     const Sums whole = flat_rule(x0, x1, strength, grouser);
     Sums both = flat_rule(x0, middle, strength, grouser);
     both += flat_rule(middle, x1, strength, grouser);
-    bool good = true;
-    const double tolerance = kTolerance * stress_scale();
-    Sums difference = both;
-    difference.combine(whole, [&](double& a, double b) {
-      a -= b;
-      good = good && std::abs(a) <= tolerance;
-    });
-    if (good || depth > 30) {
+    if (agree(both, whole) || depth > 30) {
       sums_ += both;
       return;
     }
@@ -384,9 +392,9 @@ class Integrator {
   double scale_ = 0.0, mirror_ = 0.0;
   double sin_1_, cos_1_, sin_2_, cos_2_, sin_d_, cos_d_;
   double grouser_0_ = 0.0, grouser_z_ = 0.0, wall_c_ = 0.0, wall_w_ = 0.0;
-  std::array<double, 3> reversals_{};
-  std::size_t reversal_count_ = 0;
-  Sums sums_;
+  std::array<double, 5> turns_{};
+  std::size_t turn_count_ = 0;
+  Sums sums_, limit_;
 };
 
 }  // namespace

@@ -6,12 +6,14 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "terramechanics/first_crossing.h"
 #include "terramechanics/ground_pressure.h"
 
 namespace wheel_twin::terramechanics {
 namespace {
 
 constexpr double kLoadTolerance = 1e-10;  // of the load
+constexpr double kShareTolerance = 1e-9;  // of the load, between wheel and soil
 constexpr int kMaximumSteps = 200;
 
 RimMotion rim_motion(const Operation& operation) {
@@ -90,95 +92,38 @@ double WheelOnSoil::deflection_under(double load) const {
   return delta_d;
 }
 
-ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, double sinkage_guess) const {
+double WheelOnSoil::guess_sinkage(double load, double delta_d) const {
+  // Bekker's closed forms for normal stress alone: arcs of a rigid wheel, or the flat patch.
   const double R = wheel_.radius, n = soil_.n;
+  double z =
+      std::pow(3.0 * load / ((3.0 - n) * wheel_.width * k_eq_ * std::sqrt(2.0 * R)), 2.0 / (2.0 * n + 1.0));
+  if (delta_d > 0.0) {
+    z = std::min(z, std::pow(load / (wheel_.width * k_eq_ * flat_patch_length(R, delta_d)), 1.0 / n));
+  }
+  return z;
+}
+
+ContactState WheelOnSoil::solve_load(double load, const Vertical& vertical, double sinkage_guess) const {
   const double delta_d = deflection_under(load);
-  const double z_end = R - delta_d;
+  const double z_end = wheel_.radius - delta_d;
   double z = 0.0;
   if (load > 0.0) {
-    // Bekker's closed form for normal stress alone, rigid and flat parts, as a first guess.
-    z = sinkage_guess;
-    if (!(z > 0.0 && z < z_end)) {
-      const double patch = delta_d > 0.0 ? flat_patch_length(R, delta_d) : 0.0;
-      const double arc =
-          std::pow(3.0 * load / ((3.0 - n) * law({}).b * k_eq_ * std::sqrt(2.0 * R)), 2.0 / (2.0 * n + 1.0));
-      z = arc;
-      if (patch > 0.0) z = std::min(arc, std::pow(load / (wheel_.width * k_eq_ * patch), 1.0 / n));
-      z = std::clamp(z, 1e-12 * R, 0.9 * z_end);
+    const double guess = sinkage_guess > 0.0 ? sinkage_guess : guess_sinkage(load, delta_d);
+    const auto force = [&](double sinkage) { return vertical.force(sinkage, delta_d); };
+    const double growth = soil_.n + (delta_d > 0.0 ? 0.3 : 0.5);
+    // Cohesion can carry a load of its own before the pressure does where that starts more slowly.
+    const bool cohesive = !vertical.at_rest && vertical.law.c > 0.0 && soil_.n > 1.0 &&
+                          load < 3.0 * vertical.law.c * wheel_.width * (delta_d + guess);
+    const Crossing crossing =
+        FirstCrossing(force, load, z_end, growth)
+            .find(std::clamp(guess, 1e-14 * wheel_.radius, 0.9 * z_end), cohesive, kLoadTolerance);
+    if (!crossing.found) {
+      throw Error(
+          fmt::format("wheel '{}' on soil '{}' {}: no sinkage carries {:g} N, at most {:g} N at {:g} m",
+                      wheel_.name, soil_.name, vertical.words(), load, crossing.best_force,
+                      crossing.best_x * vertical.sinkage_factor));
     }
-    // The force rises from 0 with sinkage to one peak (or to the end) and the equilibrium lies on the rise.
-    // `low` is on the rise below the load, `high` carries at least the load: between them the root is unique.
-    double low = 0.0, force_low = 0.0, high = -1.0, force_high = 0.0;
-    double force = vertical.force(z, delta_d);
-    double best = force, best_z = z;
-    const double growth = n + (delta_d > 0.0 ? 0.3 : 0.5);
-    while (force < load) {
-      if (z >= z_end || (low > 0.0 && force <= force_low)) break;
-      low = z, force_low = force;
-      const double step =
-          force > 0.0 ? std::clamp(1.05 * std::pow(load / force, 1.0 / growth), 1.01, 4.0) : 1.5;
-      z = std::min(z_end, z * step);
-      force = vertical.force(z, delta_d);
-      if (force > best) best = force, best_z = z;
-    }
-    if (force < load) {
-      // Past the peak, or at the end without having reached the load: the peak lies in what has been passed.
-      double a = 0.0, b = z;
-      constexpr double kGolden = 0.6180339887498949;
-      double x1 = b - kGolden * (b - a), x2 = a + kGolden * (b - a);
-      double f1 = vertical.force(x1, delta_d), f2 = vertical.force(x2, delta_d);
-      const auto note = [&](double x, double f) {
-        if (f > best) best = f, best_z = x;
-      };
-      note(x1, f1), note(x2, f2);
-      while (best < load && b - a > 1e-9 * R) {
-        if (f1 < f2) {
-          a = x1, x1 = x2, f1 = f2, x2 = a + kGolden * (b - a), f2 = vertical.force(x2, delta_d),
-          note(x2, f2);
-        } else {
-          b = x2, x2 = x1, f2 = f1, x1 = b - kGolden * (b - a), f1 = vertical.force(x1, delta_d),
-          note(x1, f1);
-        }
-      }
-      if (best < load) {
-        throw Error(fmt::format(
-            "wheel '{}' on soil '{}' {}: no sinkage carries {:g} N, at most {:g} N at {:g} m", wheel_.name,
-            soil_.name, vertical.words(), load, best, best_z * vertical.sinkage_factor));
-      }
-      z = best_z, force = best;
-      low = 0.0, force_low = 0.0;
-    }
-    high = z, force_high = force;
-    if (low <= 0.0) {  // a point on the rise below the load
-      low = high, force_low = force_high;
-      while (force_low >= load) {
-        high = low, force_high = force_low;
-        const double step = std::clamp(0.95 * std::pow(load / force_low, 1.0 / growth), 1e-3, 0.95);
-        low = low * step;
-        force_low = vertical.force(low, delta_d);
-      }
-    }
-    // Secant in the logarithms (a power law is a straight line there) inside the bracket, halved when it
-    // lags.
-    double x0 = low, f0 = force_low, x1 = high, f1 = force_high;
-    z = std::abs(f1 - load) < std::abs(f0 - load) ? x1 : x0;
-    force = z == x1 ? f1 : f0;
-    double width = std::log(high / low);
-    for (int i = 0; i < kMaximumSteps && std::abs(force - load) > kLoadTolerance * load; ++i) {
-      double next = std::sqrt(low * high);
-      if (f0 > 0.0 && f1 > 0.0 && f0 != f1) {
-        const double guess = z * std::exp(std::log(load / force) * std::log(x1 / x0) / std::log(f1 / f0));
-        const double now = std::log(high / low);
-        if (guess > low && guess < high && (i < 3 || now < 0.6 * width || i % 3 != 0)) next = guess;
-        if (i % 3 == 0) width = now;
-      }
-      if (!(next > low && next < high)) break;  // the bracket is one rounding wide
-      x0 = z, f0 = force;
-      z = next;
-      force = vertical.force(z, delta_d);
-      x1 = z, f1 = force;
-      (force < load ? low : high) = z;
-    }
+    z = crossing.x;
   }
   ContactState state;
   state.sinkage = z * vertical.sinkage_factor;
@@ -197,38 +142,38 @@ ContactState WheelOnSoil::solve_displacement(double h, const Vertical& vertical,
   ContactState state;
   state.hub_displacement = h;
   if (h <= 0.0) return state;
-  double delta_d = 0.0;
-  if (wheel_.stiffness) {
-    // Soil force less wheel force falls with the deflection: from the rigid wheel's force to -k h.
-    const double k = *wheel_.stiffness;
-    const auto excess = [&](double d) {
-      return vertical.force((h - d) / vertical.sinkage_factor, d) - k * d;
-    };
-    double low = 0.0, high = h;
-    double d0 = deflection_guess, f0 = 0.0;
-    if (!(d0 > 0.0 && d0 < h)) d0 = std::min(0.5 * h, vertical.force(h / vertical.sinkage_factor, 0.0) / k);
-    if (d0 > 0.0) {
-      f0 = excess(d0);
-      (f0 > 0.0 ? low : high) = d0;
-      double slope = -2.0 * k;
-      double d1 = d0, f1 = f0;
-      const double tolerance = kLoadTolerance * k * h;
-      for (int i = 0; i < kMaximumSteps && std::abs(f1) > tolerance; ++i) {
-        double next = d1 - f1 / slope;
-        if (!(next > low && next < high) || i % 6 == 5) next = 0.5 * (low + high);
-        if (!(next > low && next < high)) break;
-        const double f = excess(next);
-        if (next != d1 && f != f1) slope = std::min((f - f1) / (next - d1), -0.1 * k);
-        d1 = next, f1 = f;
-        (f1 > 0.0 ? low : high) = d1;
-      }
-      delta_d = d1;
-    }
-  }
-  state.deflection = delta_d;
-  state.sinkage = h - delta_d;
+  state.sinkage = wheel_.stiffness ? share_displacement(h, vertical, deflection_guess) : h;
+  state.deflection = h - state.sinkage;
   fill_loads(state, vertical);
   return state;
+}
+
+double WheelOnSoil::share_displacement(double h, const Vertical& vertical, double deflection_guess) const {
+  // The ratio of what the soil carries to what the wheel carries goes from 0 to infinity as the sinkage z
+  // goes from 0 to h. Its logarithm is nearly linear in y = log(z / (h - z)), stiff soil or soft.
+  const double k = *wheel_.stiffness;
+  const auto sinkage = [&](double y) { return h / (1.0 + std::exp(-y)); };
+  const auto log_ratio = [&](double y) {
+    const double deflection = h / (1.0 + std::exp(y));
+    const double force = vertical.force(sinkage(y) / vertical.sinkage_factor, deflection);
+    return force > 0.0 ? std::log(force / (k * deflection)) : -HUGE_VAL;
+  };
+  double low = -60.0, high = 34.0;  // e^34: the deflection is beneath rounding
+  double y = deflection_guess > 0.0 && deflection_guess < h
+                 ? std::log((h - deflection_guess) / deflection_guess)
+                 : 0.0;
+  double slope = vertical.at_rest ? soil_.n + 0.7 : soil_.n + 0.5;
+  double f = log_ratio(y);
+  for (int i = 0; i < kMaximumSteps && std::abs(f) > kShareTolerance; ++i) {
+    (f < 0.0 ? low : high) = y;
+    double next = y - f / slope;
+    if (!std::isfinite(f) || !(next > low && next < high) || i % 8 == 7) next = 0.5 * (low + high);
+    if (!(next > low && next < high)) break;
+    const double f_next = log_ratio(next);
+    if (std::isfinite(f) && std::isfinite(f_next)) slope = std::clamp((f_next - f) / (next - y), 0.05, 20.0);
+    y = next, f = f_next;
+  }
+  return y > 33.0 ? h : sinkage(y);
 }
 
 void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) const {
@@ -307,7 +252,7 @@ double WheelOnSoil::stiffness(const ContactState& state, const Vertical& vertica
   if (state.hub_displacement <= 0.0) return 0.0;
   const double z = state.sinkage / vertical.sinkage_factor, delta_d = state.deflection;
   const double step = 1e-5 * z;
-  const double force = vertical.force(z, delta_d);
+  const double force = state.normal_load;
   const double by_sinkage = (force - vertical.force(z - step, delta_d)) / (step * vertical.sinkage_factor);
   if (!wheel_.stiffness) return by_sinkage;
   // k d(delta) = F_z (dh - d(delta)) + F_delta d(delta)

@@ -92,9 +92,11 @@ class WheelOnSoil {
   struct Vertical;
   ContactLaw law(const SoilChange& change) const;
   double deflection_under(double load) const;
+  double guess_sinkage(double load, double delta_d) const;
   ContactState solve_load(double load, const Vertical& vertical, double sinkage_guess) const;
   ContactState solve_displacement(double hub_displacement, const Vertical& vertical,
                                   double deflection_guess) const;
+  double share_displacement(double hub_displacement, const Vertical& vertical, double deflection_guess) const;
   void fill_loads(ContactState& state, const Vertical& vertical) const;
   double stiffness(const ContactState& state, const Vertical& vertical) const;
   Vertical rolling(const Operation& operation, const SoilChange& change) const;
