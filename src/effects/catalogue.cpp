@@ -28,6 +28,8 @@ const std::vector<EffectType>& catalogue() {
       soft_spoke(),
       wheel_flexing_resistance(),
       slip_sinkage(),
+      slip_loosening(),
+      bulldozing(),
       soil_cohesion(),
       density_gradient(),
       multi_pass(),

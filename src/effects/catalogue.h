@@ -29,6 +29,8 @@ EffectType wheel_eccentricity();
 EffectType soft_spoke();
 EffectType wheel_flexing_resistance();
 EffectType slip_sinkage();
+EffectType slip_loosening();
+EffectType bulldozing();
 EffectType soil_cohesion();
 EffectType density_gradient();
 EffectType multi_pass();

@@ -131,8 +131,13 @@ TEST(Catalogue, NeutralParametersChangeNothingAndOneScaleChangesSomething) {
       const bool upwards = p.neutral + p.scale <= p.upper;
       one_scale.push_back(shape ? inside : p.neutral + (upwards ? p.scale : -0.95 * p.neutral));
     }
-    EXPECT_LT(departure(respond(type.name, neutral, state)), 1e-4) << type.name;
-    EXPECT_GT(departure(respond(type.name, one_scale, state)), 1e-3) << type.name;
+    rig::RigState braking = state;  // some effects act on a driven wheel, some on a braked one
+    braking.slip = -0.4;
+    const auto both = [&](const std::vector<double>& values) {
+      return departure(respond(type.name, values, state)) + departure(respond(type.name, values, braking));
+    };
+    EXPECT_LT(both(neutral), 2e-4) << type.name;
+    EXPECT_GT(both(one_scale), 1e-3) << type.name;
   }
 }
 
@@ -206,6 +211,32 @@ TEST(SoilEffects, RockResistsOnItsRiseAndPushesOnItsFall) {
   EXPECT_LT(respond("buried_rock", {0.3, 0.02, 1.5}, before).added_force.x(), 0.0);
   EXPECT_GT(respond("buried_rock", {0.3, 0.02, 1.5}, after).added_force.x(), 0.0);
   EXPECT_NEAR(respond("buried_rock", {0.3, 0.02, 1.5}).added_force.x(), 0.0, 1e-12);
+}
+
+TEST(SlipLoosening, StiffnessFallsWithSlipOfBothSigns) {
+  const auto stiffness = [](double slip, double shape) {
+    rig::RigState state = some_state();
+    state.slip = slip;
+    return respond("slip_loosening", {2.0, shape, 8.0}, state).stiffness;
+  };
+  EXPECT_DOUBLE_EQ(stiffness(0.0, 1.0), 1.0);
+  EXPECT_NEAR(stiffness(0.5, 1.0), 1.0 / (1.0 + 2.0 * 0.5), 1e-12);            // linear
+  EXPECT_NEAR(stiffness(0.5, 0.0), 1.0 / (1.0 + 2.0 * std::log(2.0)), 1e-12);  // digging
+  EXPECT_NEAR(stiffness(0.5, 1e-5), stiffness(0.5, 0.0), 1e-4);                // continuous in the shape
+  EXPECT_NEAR(stiffness(0.5, 2.0), 1.0 / (1.0 + 2.0 * (0.5 - 0.125)), 1e-12);  // s - s^2/2
+  EXPECT_NEAR(stiffness(-0.49, 1.0), 1.0 / (1.0 + 8.0 * std::pow(0.7, 5.0)), 1e-12);
+  EXPECT_GT(stiffness(1.0, -1.0), 0.0) << "a wheel on the spot";
+}
+
+TEST(Bulldozing, PushesABrakedWheelBackByTheSquareOfItsDepth) {
+  rig::RigState state = some_state();
+  EXPECT_EQ(respond("bulldozing", {8000.0}, state).added_force.norm(), 0.0) << "driving";
+  state.slip = -0.25;
+  state.hub_displacement = 0.03;
+  const Eigen::Vector3d force = respond("bulldozing", {8000.0}, state).added_force;
+  EXPECT_NEAR(force.x(), -8000.0 * 0.0009 * 0.5, 1e-12);
+  state.hub_displacement = -0.03;
+  EXPECT_EQ(respond("bulldozing", {8000.0}, state).added_force.norm(), 0.0) << "above the soil";
 }
 
 }  // namespace
