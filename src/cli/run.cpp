@@ -78,7 +78,8 @@ Json summary_of(const Options& options, const rig::RunSettings& run, const twin:
             {"wheel_speed_rad_s", set.wheel_speed},
             {"steering_angle_rad", set.steering_angle},
             {"towed", set.towed},
-            {"temperature_c", set.temperature}}},
+            {"temperature_c", set.temperature},
+            {"temperature_rate_k_s", set.temperature_rate}}},
           {"window_s", {summary.window[0], summary.window[1]}},
           {"mean",
            {{"drawbar_pull_n", summary.drawbar_pull},
@@ -220,6 +221,7 @@ void add_run(CLI::App& app) {
   add("--steering", set.steering_degrees, "Steering angle, degrees, to the left when positive");
   command->add_flag("--towed", set.conditions.towed, "Drive uncoupled, the carriage pulls the wheel");
   add("--temperature", set.conditions.temperature, "degrees C");
+  add("--temperature-rate", set.conditions.temperature_rate, "Warming of the sensor during the run, K/s");
   add("--travel", set.profile.travel, "Carriage travel of the steady part, m; 0: by duration alone");
   add("--duration", set.profile.longest_steady, "Longest steady part, s");
   add("--dwell", set.profile.dwell, "At rest on the soil before the start, s");

@@ -119,6 +119,7 @@ class Rig::Impl {
       turn_wheel(wheel.integral, wheel.value);
       step_.load = contact_.advance(motion_at(height_, slide_velocity_, wheel_rate_, actions));
     }
+    temperature_ = conditions_.temperature + conditions_.temperature_rate * time_;
     finish(actions, acceleration, lift, (wheel_rate_ - rate_before) / dt);
     return step_;
   }

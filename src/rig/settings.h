@@ -40,7 +40,7 @@ struct DriveSettings {
 struct MountSettings {
   double arm_x = 0.0;  ///< sensor origin from the hub, rig axes, m
   double arm_y = 0.0;
-  double arm_z = 0.16;
+  double arm_z = 0.03;
   double tool_mass = 2.0;  ///< between sensor and soil (wheel, motor, bracket), kg
   /// Share of the drive torque in the reading about the axle: -1 by statics when the motor hangs on the tool
   /// side (the soil's torque on the wheel goes through the sensor), 0 when a torque arm leads it past the
@@ -69,6 +69,7 @@ struct RunConditions {
   double steering_angle = 0.0;    ///< rad, wheel turned to the left when positive
   bool towed = false;             ///< drive uncoupled; the carriage runs at radius times wheel_speed
   double temperature = 22.0;      ///< degrees C
+  double temperature_rate = 0.0;  ///< of the sensor while the run lasts, K/s
   double wheel_angle = 0.0;       ///< rad, encoder at the start
 };
 

@@ -212,6 +212,17 @@ TEST(Rig, BearingFrictionMakesATowedWheelSkid) {
   EXPECT_NEAR(rig.step().state.slip, -0.2 / (radius * contact.thrust * 42.1), 1e-5);
 }
 
+TEST(Rig, TheSensorWarmsAtTheStatedRate) {
+  TestContact contact;
+  RunConditions set = conditions();
+  set.temperature = 20.0;
+  set.temperature_rate = 0.01;
+  Rig rig(plain_rig(), set, radius, contact, {});
+  EXPECT_EQ(rig.start(std::nullopt).readings.temperature, 20.0);
+  EXPECT_NEAR(settled(rig, set, 5.0).readings.temperature, 20.05, 1e-9);
+  EXPECT_NEAR(rig.step().state.temperature, 20.05, 1e-9);
+}
+
 struct AllRigPorts : RigPort {
   double weight = 0.0, friction = 0.0, factor = 1.0, steering = 0.0, drag = 0.0;
   double added_dead_weight(const RigState&) const override { return weight; }
