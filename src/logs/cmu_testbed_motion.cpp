@@ -69,6 +69,27 @@ std::vector<double> without_spikes(const std::vector<double>& readings, std::siz
   return cleaned;
 }
 
+// Travelled distance over the integral of the logged speed: median over blocks of 4 s, for a carriage at the
+// end of its belt stands still while the reading does not know. 1 where the carriage never runs.
+double speed_factor(const Kinematics& kinematics, const std::vector<double>& time) {
+  constexpr double block = 4.0, running = 5.0;  // s, mm/s
+  std::vector<double> factors;
+  std::size_t from = 0;
+  double integral = 0.0;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    integral += 0.5 * (kinematics.vx_mm_s[i] + kinematics.vx_mm_s[i - 1]) * (time[i] - time[i - 1]);
+    if (time[i] - time[from] < block) continue;
+    if (integral > running * block)
+      factors.push_back((kinematics.x_mm[i] - kinematics.x_mm[from]) / integral);
+    from = i;
+    integral = 0.0;
+  }
+  if (factors.size() < 3) return 1.0;
+  const auto middle = factors.begin() + static_cast<std::ptrdiff_t>(factors.size() / 2);
+  std::nth_element(factors.begin(), middle, factors.end());
+  return *middle;
+}
+
 }  // namespace
 
 int hours_behind_utc(double local_time) {
@@ -100,14 +121,7 @@ Motion to_motion(const Kinematics& kinematics, int hours_behind, bool wheel_lock
   motion.rate = static_cast<double>(n - 1) / motion.time.back();
 
   const std::vector<double> rim = without_spikes(kinematics.vry_mm_s, motion.spikes);
-  double integral = 0.0, travel = 0.0;
-  for (std::size_t i = 1; i < n; ++i) {
-    const double speed = 0.5 * (kinematics.vx_mm_s[i] + kinematics.vx_mm_s[i - 1]);
-    if (speed < 5.0 || motion.time[i] < 3.0 || motion.time[i] > motion.time.back() - 2.0) continue;  // jerks
-    integral += speed * (motion.time[i] - motion.time[i - 1]);
-    travel += kinematics.x_mm[i] - kinematics.x_mm[i - 1];
-  }
-  if (travel > 100.0 && integral > 100.0) motion.speed_factor = travel / integral;
+  motion.speed_factor = speed_factor(kinematics, motion.time);
 
   motion.carriage_position.resize(n);
   motion.carriage_velocity.resize(n);

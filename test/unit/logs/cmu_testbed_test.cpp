@@ -84,7 +84,7 @@ TEST(CmuImport, BagsHoldTheWindowMeansOfTheTable) {
   import(sample, out.string());
   for (const auto& [wheel, bag] :
        {std::pair<std::string, std::string>{"smooth", "bags/2020-12-08_10_20_0_1.bag"},
-        {"grouser", "bags/2021-03-03_10_3_0_1.bag"}}) {
+        {"grouser", "bags/2020-12-14_10_40_0_1.bag"}}) {
     const Experiment experiment = read_experiment(out / wheel);
     const logs::Run& run = run_of(experiment, bag);
     const run_log::RunLog log = read_run_log(experiment.path_of(bag));
@@ -232,7 +232,7 @@ TEST_F(DamagedSample, ATornKinematicsFileKeepsItsGoodRows) {
 }
 
 TEST_F(DamagedSample, TheKinematicsOfAnotherRunAreRefused) {
-  fs::copy_file(folder_ / "kinematics/grouser/2021-03-03/10_3_0_1.txt",
+  fs::copy_file(folder_ / "kinematics/grouser/2020-12-14/10_40_0_1.txt",
                 folder_ / "kinematics/smooth/2020-12-08/10_20_0_1.txt", fs::copy_options::overwrite_existing);
   EXPECT_THAT(error(), ::testing::HasSubstr("the file of another run"));
 }
