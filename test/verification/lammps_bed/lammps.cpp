@@ -33,15 +33,18 @@ void write(const std::string& folder, const GranularSoil& soil, const std::vecto
         x[k] -= image[k] * length;
       }
       ++count;
-      atoms += fmt::format("{} 1 {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {} {}\n", count, 2.0 * p.size * sphere.radius,
-                           soil.grain.density, x.x(), x.y(), x.z(), image.x(), image.y(), image.z());
+      atoms += fmt::format("{} 1 {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {} {}\n", count,
+                           2.0 * p.size * sphere.radius, soil.grain.density, x.x(), x.y(), x.z(), image.x(),
+                           image.y(), image.z());
       molecules += fmt::format("{} {}\n", count, i + 1);
     }
     // A body of one sphere needs rigid/small too, so that all clumps move alike.
     const Eigen::Vector3d& x = p.position;
     bodies += fmt::format(
-        "{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 0 0 0 0 0 0 0 0 0\n", i + 1, mass,
-        x.x(), x.y(), x.z(), inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1), inertia(0, 2), inertia(1, 2));
+        "{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} 0 0 0 0 0 0 0 0 "
+        "0\n",
+        i + 1, mass, x.x(), x.y(), x.z(), inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
+        inertia(0, 2), inertia(1, 2));
   }
   const auto save = [&](const char* name, const std::string& text) {
     std::ofstream out(folder + "/" + name);
@@ -49,25 +52,29 @@ void write(const std::string& folder, const GranularSoil& soil, const std::vecto
     out.close();
     if (!out) throw Error(fmt::format("{}/{}: cannot be written", folder, name));
   };
-  save("data.lammps", fmt::format("settled bed\n\n{} atoms\n1 atom types\n\n{:.17g} {:.17g} xlo xhi\n{:.17g} {:.17g} ylo yhi\n"
-                                  "{:.17g} {:.17g} zlo zhi\n\nAtoms # sphere\n\n{}\nMolecules\n\n{}",
-                                  count, setup.low.x(), setup.high.x(), setup.low.y(), setup.high.y(), setup.low.z(),
-                                  setup.high.z(), atoms, molecules));
+  save("data.lammps",
+       fmt::format(
+           "settled bed\n\n{} atoms\n1 atom types\n\n{:.17g} {:.17g} xlo xhi\n{:.17g} {:.17g} ylo yhi\n"
+           "{:.17g} {:.17g} zlo zhi\n\nAtoms # sphere\n\n{}\nMolecules\n\n{}",
+           count, setup.low.x(), setup.high.x(), setup.low.y(), setup.high.y(), setup.low.z(), setup.high.z(),
+           atoms, molecules));
   save("bodies.lammps", bodies);
   const double nu = soil.grain.poisson_ratio;
   const double young = soil.grain.youngs_modulus();
-  // LAMMPS takes both bodies of a contact with the wall to be of one material: the material whose effective moduli are
-  // those of the pair (normal), and the tangential stiffness given outright.
-  const double wall_effective = 1.0 / ((1.0 - nu * nu) / young + (1.0 - soil.wall.poisson_ratio * soil.wall.poisson_ratio) /
-                                                                     soil.wall.youngs_modulus());
+  // LAMMPS takes both bodies of a contact with the wall to be of one material: the material whose effective
+  // moduli are those of the pair (normal), and the tangential stiffness given outright.
+  const double wall_effective =
+      1.0 / ((1.0 - nu * nu) / young +
+             (1.0 - soil.wall.poisson_ratio * soil.wall.poisson_ratio) / soil.wall.youngs_modulus());
   const double wall_shear = 1.0 / ((2.0 - nu) / soil.grain.shear_modulus +
                                    (2.0 - soil.wall.poisson_ratio) / soil.wall.shear_modulus);
   save("in.lammps",
-       fmt::format(R"(units si
+       fmt::format(
+           R"(units si
 atom_style sphere
 atom_modify map array
 boundary p p f
-comm_modify vel yes
+comm_modify vel yes cutoff {cutoff}
 newton off
 fix body all property/atom mol ghost yes
 read_data data.lammps fix body NULL Molecules
@@ -90,16 +97,18 @@ thermo {every}
 run {steps}
 write_dump all custom final.lammps id mol radius xu yu z modify sort id format float %.17g
 )",
-                   fmt::arg("young", young), fmt::arg("restitution", soil.grain_grain.restitution), fmt::arg("nu", nu),
-                   fmt::arg("friction", setup.friction), fmt::arg("step", setup.time_step), fmt::arg("gravity", setup.gravity),
-                   fmt::arg("wall_young", wall_effective * 2.0 * (1.0 - nu * nu)),
-                   fmt::arg("wall_restitution", soil.grain_wall.restitution), fmt::arg("wall_kt", 8.0 * wall_shear),
-                   fmt::arg("wall_friction", soil.grain_wall.friction), fmt::arg("floor", setup.floor),
-                   fmt::arg("every", std::max(1L, setup.steps / 40)), fmt::arg("steps", setup.steps)));
+           fmt::arg("cutoff", 4.0 * soil.clumps.largest_bounding_radius()), fmt::arg("young", young),
+           fmt::arg("restitution", soil.grain_grain.restitution), fmt::arg("nu", nu),
+           fmt::arg("friction", setup.friction), fmt::arg("step", setup.time_step),
+           fmt::arg("gravity", setup.gravity), fmt::arg("wall_young", wall_effective * 2.0 * (1.0 - nu * nu)),
+           fmt::arg("wall_restitution", soil.grain_wall.restitution), fmt::arg("wall_kt", 8.0 * wall_shear),
+           fmt::arg("wall_friction", soil.grain_wall.friction), fmt::arg("floor", setup.floor),
+           fmt::arg("every", std::max(1L, setup.steps / 40)), fmt::arg("steps", setup.steps)));
 }
 
 Result run(const std::string& folder) {
-  const std::string command = fmt::format("cd '{}' && OMP_NUM_THREADS=1 lmp -in in.lammps -log log.lammps > out.lammps 2>&1", folder);
+  const std::string command =
+      fmt::format("cd '{}' && OMP_NUM_THREADS=1 lmp -in in.lammps -log log.lammps > out.lammps 2>&1", folder);
   if (std::system(command.c_str()) != 0)  // NOLINT(cert-env33-c,concurrency-mt-unsafe): the peer is a program
     throw Error(fmt::format("{}: lmp failed: see out.lammps there", folder));
   Result result;

@@ -1,5 +1,6 @@
-// The same packing in LAMMPS: writes data and input files (rigid/small clumps with the mass properties of the union,
-// pair granular with hertz/material, mindlin_rescale and Tsuji damping), runs `lmp` and reads back what is compared.
+// The same packing in LAMMPS: writes data and input files (rigid/small clumps with the mass properties of the
+// union, pair granular with hertz/material, mindlin_rescale and Tsuji damping), runs `lmp` and reads back
+// what is compared.
 #pragma once
 
 #include <string>
@@ -13,7 +14,7 @@ struct Setup {
   Eigen::Vector3d low, high;  ///< domain, periodic in x and y, floor at `floor`
   double floor = 0.0;
   double gravity = 9.81;
-  double friction = 0.5;      ///< grain to grain
+  double friction = 0.5;  ///< grain to grain
   double time_step = 0.0;
   long steps = 0;
 };
