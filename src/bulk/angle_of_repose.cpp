@@ -56,6 +56,7 @@ dem::System make_world(const dem::GranularSoil& soil, const ReposeSettings& s, c
   world.high = {half + 0.01, half + 0.01, f.cloud + 0.01};
   world.gravity = {0.0, 0.0, -9.81};
   world.step_fraction = soil.step_fraction;
+  world.smallest_size = soil.clumps.smallest_size * (1.0 - 1e-6);  // sizes are rounded to single precision
   world.threads = s.threads;
   dem::System system(world, soil.materials(), soil.clumps.shapes);
   const auto add = [&](const char* name, auto shape, const Vector3d& position) {

@@ -44,6 +44,7 @@ dem::System box(const GranularSoil& soil, const ShearSettings& s, double top, bo
   world.periodic_y = true;
   world.gravity = {0.0, 0.0, -gravity};
   world.step_fraction = soil.step_fraction;
+  world.smallest_size = soil.clumps.smallest_size * (1.0 - 1e-6);  // sizes are rounded to single precision
   world.threads = s.threads;
   dem::System system(world, soil.materials(), soil.clumps.shapes);
   const auto add = [&](const char* name, auto shape, const Vector3d& position) {

@@ -9,6 +9,7 @@ namespace wheel_twin::cli {
 void add_run(CLI::App& app);
 void add_bed(CLI::App& app);
 void add_bulk(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_import(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);

@@ -177,6 +177,7 @@ System bed_world(const GranularSoil& soil, const BedSettings& s, double headroom
   world.periodic_y = s.periodic_y;
   world.gravity = {0.0, 0.0, -s.gravity};
   world.step_fraction = soil.step_fraction;
+  world.smallest_size = soil.clumps.smallest_size * (1.0 - 1e-6);  // sizes are rounded to single precision
   world.threads = threads;
   System system(world, soil.materials(), soil.clumps.shapes);
   const auto add_plane = [&](const char* name, const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {

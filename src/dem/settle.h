@@ -13,7 +13,7 @@ struct SettleSettings {
   double longest_time = 2.0;   ///< s; reaching it is an Error
   /// At rest when the kinetic energy is below this fraction of what all clumps would have after falling by
   /// `length`.
-  double rest_fraction = 1e-6;
+  double rest_fraction = 1e-8;
   double length = 0.003;  ///< m, a grain radius
 };
 

@@ -85,7 +85,7 @@ pair_style granular
 pair_coeff * * hertz/material {young:.17g} {restitution} {nu} tangential mindlin_rescale NULL 1.0 {friction} damping tsuji
 timestep {step:.17g}
 fix move all rigid/small molecule infile bodies.lammps gravity weight
-fix weight all gravity {gravity} vector 0 0 -1
+fix weight all gravity {gravity} vector 0 0 -1 disable
 fix floor all wall/gran granular hertz/material {wall_young:.17g} {wall_restitution} {nu} tangential mindlin_rescale {wall_kt:.17g} 1.0 {wall_friction} damping tsuji zplane {floor:.17g} NULL contacts
 compute floor_fz all reduce sum f_floor[4]
 compute touching all contact/atom
@@ -118,7 +118,7 @@ Result run(const std::string& folder) {
     double step, time, kinetic, floor, contacts;
     if (words >> step >> time >> kinetic >> floor >> contacts) {
       result.kinetic_energy = kinetic;
-      result.floor_force = -floor;
+      result.floor_force = floor;
       result.contacts = 0.5 * contacts;
     }
   }

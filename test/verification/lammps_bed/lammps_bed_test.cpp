@@ -1,5 +1,6 @@
-// The same clouds of clumps settled here and in LAMMPS: height, coordination number, floor pressure. The motion of a
-// settling packing is chaotic, so single contacts differ; means over three seeds must agree within what seeds scatter.
+// The same clouds of clumps settled here and in LAMMPS: height, coordination number, floor pressure. The
+// motion of a settling packing is chaotic, so single contacts differ; means over three seeds must agree
+// within what seeds scatter.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -18,7 +19,7 @@ namespace {
 
 constexpr double width = 0.05;
 constexpr double depth = 0.06;
-constexpr double duration = 0.35;   // s: at rest after 0.25 s
+constexpr double duration = 0.35;  // s: at rest after 0.25 s
 constexpr int seeds = 3;
 
 struct Settled {
@@ -34,12 +35,15 @@ struct Spread {
 Spread spread(const std::vector<double>& values) {
   Spread s;
   for (const double v : values) s.mean += v / static_cast<double>(values.size());
-  for (const double v : values) s.variance += (v - s.mean) * (v - s.mean) / static_cast<double>(values.size() - 1);
+  for (const double v : values)
+    s.variance += (v - s.mean) * (v - s.mean) / static_cast<double>(values.size() - 1);
   return s;
 }
 
-// Difference of two means of three against the 95 % point of Student's t with four degrees of freedom (2.776).
-void expect_same(const char* what, const std::vector<double>& ours, const std::vector<double>& theirs, double floor) {
+// Difference of two means of three against the 95 % point of Student's t with four degrees of freedom
+// (2.776).
+void expect_same(const char* what, const std::vector<double>& ours, const std::vector<double>& theirs,
+                 double floor) {
   const Spread a = spread(ours);
   const Spread b = spread(theirs);
   const double allowed = std::max(2.776 * std::sqrt((a.variance + b.variance) / seeds), floor * a.mean);
@@ -50,7 +54,8 @@ void expect_same(const char* what, const std::vector<double>& ours, const std::v
 }
 
 TEST(LammpsBed, HeightCoordinationAndFloorPressureAgree) {
-  if (std::system("command -v lmp > /dev/null 2>&1") != 0) GTEST_SKIP() << "lmp (package lammps) is not installed";
+  if (std::system("command -v lmp > /dev/null 2>&1") != 0)
+    GTEST_SKIP() << "lmp (package lammps) is not installed";
   const GranularSoil soil = load_granular_soil("mars_simulant");
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("lammps_bed_" + std::to_string(getpid()));
@@ -66,7 +71,8 @@ TEST(LammpsBed, HeightCoordinationAndFloorPressureAgree) {
     region.high = {width, 0.5 * width, cloud - depth};
     region.periodic_x = region.periodic_y = true;
     Random random(static_cast<std::uint64_t>(seed));
-    const std::vector<Particle> particles = random_cloud(soil.clumps, region, count, random, GranularSoil::grain_material);
+    const std::vector<Particle> particles =
+        random_cloud(soil.clumps, region, count, random, GranularSoil::grain_material);
 
     System system = bed_world(soil, settings, cloud - depth + 0.01, 1);
     system.add(particles);
