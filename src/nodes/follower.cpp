@@ -76,6 +76,13 @@ void Follower::displacement(Nanoseconds stamp, double value) {
   add(displacement_, stamp, value, std::isfinite(value));
 }
 
+void Follower::temperature(double celsius) {
+  if (std::isfinite(celsius))
+    temperature_ = celsius;
+  else
+    ++events_.not_finite;
+}
+
 void Follower::joints(Nanoseconds stamp, const rig::JointReading& reading) {
   add(joints_, stamp, reading, finite(reading));
 }
@@ -129,6 +136,7 @@ std::optional<Tick> Follower::compute(Nanoseconds tick, const rig::JointReading&
   result.motion.wheel_angle = joints.wheel_angle;
   result.motion.wheel_rate = joints.wheel_rate;
   result.motion.steering_angle = settings_.steering_angle;
+  if (temperature_) result.motion.temperature = *temperature_;
   result.twin = twin_->predict(result.motion);
   return result;
 }

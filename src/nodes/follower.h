@@ -64,6 +64,7 @@ class Follower {
 
   void wrench(Nanoseconds stamp, const rig::WrenchReading& reading);
   void displacement(Nanoseconds stamp, double value);
+  void temperature(double celsius);                                  ///< of the rig from now on
   void joints(Nanoseconds stamp, const rig::JointReading& reading);  ///< effort may be NaN: not measured
 
   /// Every tick that can be computed by now, in order. Throws Error when the twin's physics breaks; the
@@ -94,6 +95,7 @@ class Follower {
   Channel<rig::JointReading> joints_;
   std::optional<Nanoseconds> next_tick_;
   std::optional<Nanoseconds> origin_;  // of the twin's clock
+  std::optional<double> temperature_;
   std::optional<double> load_;
   Nanoseconds load_stamp_ = 0;
   FollowerEvents events_;

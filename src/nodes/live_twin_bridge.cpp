@@ -100,6 +100,7 @@ class LiveTwinBridge::Impl {
     const auto hints = ros::TransportHints().tcpNoDelay();
     wrench_ = node_.subscribe("ft_sensor/wrench", queue, &Impl::on_wrench, this, hints);
     displacement_ = node_.subscribe("draw_wire/displacement", queue, &Impl::on_displacement, this, hints);
+    temperature_ = node_.subscribe("rig/temperature", 10, &Impl::on_temperature, this, hints);
     joints_ = node_.subscribe("rig/joint_states", queue, &Impl::on_joints, this, hints);
   }
 
@@ -118,6 +119,10 @@ class LiveTwinBridge::Impl {
     heard_displacement_.now();
     follower_.displacement(to_nanoseconds(message->header.stamp), message->displacement);
     follow();
+  }
+
+  void on_temperature(const sensor_msgs::Temperature::ConstPtr& message) {
+    follower_.temperature(message->temperature);
   }
 
   void on_joints(const sensor_msgs::JointState::ConstPtr& message) {
@@ -263,7 +268,7 @@ class LiveTwinBridge::Impl {
   ros::Publisher twin_wrench_, twin_displacement_, twin_joints_;
   ros::Publisher status_;
   ros::Publisher residual_wrench_, residual_displacement_, residual_joints_;
-  ros::Subscriber wrench_, displacement_, joints_;
+  ros::Subscriber wrench_, displacement_, joints_, temperature_;
   ros::WallTimer timer_;
   Heard heard_wrench_, heard_displacement_, heard_joints_;
   FollowerEvents reported_;

@@ -219,7 +219,7 @@ MarkerArray labels(const Gauges& g) {
                   g.has_twin, "mm") +
              "\n";
   numbers += line("motor torque", g.measured.motor_effort, g.twin.motor_effort, g.has_twin, "N m");
-  all.push_back(text(12, numbers, point(-0.20, -0.40, 0.36), 0.028, ink));
+  all.push_back(text(12, numbers, point(-0.20, -0.40, 0.41), 0.028, ink));
 
   const double x = g.hub.x();
   const double sensor = g.hub.z() + 0.167;

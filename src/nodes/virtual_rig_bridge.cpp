@@ -3,6 +3,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <fmt/format.h>
 #include <ros/console.h>
+#include <ros/init.h>
 #include <ros/publisher.h>
 #include <ros/service_server.h>
 #include <ros/this_node.h>
@@ -230,7 +231,7 @@ class VirtualRigBridge::Impl {
     bool answered = false;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      if (quit_) return false;
+      if (quit_ || !ros::ok()) return false;
       if (want_stop_) run.stop();
       if (want_bias_) bias_taken_ = run.bias();
       answered = want_bias_;

@@ -204,6 +204,19 @@ TEST_F(FollowerTest, LoadIsTheMeasuredOneFiltered) {
   EXPECT_NEAR(ticks[9].motion.load, 40.0 * (1.0 - std::exp(-1.0)), 1e-9);
 }
 
+TEST_F(FollowerTest, TheTwinHasTheTemperatureOfTheRig) {
+  Follower follower = make();
+  follower.temperature(31.5);
+  follower.temperature(nan);
+  wrench(follower, 0.0);
+  wire(follower, 0.0);
+  joints(follower, 0.0);
+  const auto ticks = follower.take();
+  ASSERT_EQ(ticks.size(), 1u);
+  EXPECT_EQ(ticks[0].motion.temperature, 31.5);
+  EXPECT_EQ(follower.events().not_finite, 1u);
+}
+
 TEST_F(FollowerTest, GoesOnAfterTheTwinBroke) {
   Follower follower = make();
   const auto feed = [&](double t) {
