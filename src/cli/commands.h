@@ -10,5 +10,6 @@ void add_run(CLI::App& app);
 void add_import(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_steady(CLI::App& app);
 
 }  // namespace wheel_twin::cli
