@@ -183,6 +183,10 @@ class Reader {
     if (summary.damage_count > summary.damage.size())
       recording_.defects.push_back({Defect::Kind::damage, "", summary.damage_count - summary.damage.size(),
                                     missing, "more damaged places"});
+    if (summary.has_uncompressed_chunks)
+      recording_.defects.push_back(
+          {Defect::Kind::no_checksum, "", 1, missing,
+           "chunks are not compressed and carry no checksum: a damaged value cannot be seen"});
     if (!summary.indexed)
       recording_.defects.push_back({Defect::Kind::damage, "", 1, missing,
                                     "the bag has no index: its recorder did not finish, or its end is lost"});

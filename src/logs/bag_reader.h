@@ -15,11 +15,12 @@ namespace wheel_twin::logs {
 /// Something wrong with a bag that did not keep the rest from being read.
 struct Defect {
   enum class Kind {
-    damage,     ///< bytes of the file that are not readable records
-    refused,    ///< a topic of a rig log with another type or md5
-    malformed,  ///< a message that does not have the layout of its type
-    time_zero,  ///< a message whose header stamp is ROS time 0: it has no time and is not in the log
-    incomplete  ///< a message without a joint or value that a rig log has
+    damage,      ///< bytes of the file that are not readable records
+    refused,     ///< a topic of a rig log with another type or md5
+    malformed,   ///< a message that does not have the layout of its type
+    time_zero,   ///< a message whose header stamp is ROS time 0: it has no time and is not in the log
+    incomplete,  ///< a message without a joint or value that a rig log has
+    no_checksum  ///< uncompressed chunks: a damaged value in them cannot be seen
   };
   Kind kind = Kind::damage;
   std::string topic;        ///< empty: the file

@@ -50,9 +50,11 @@ const char* kind_of(Defect::Kind kind) {
     case Defect::Kind::time_zero:
       return "time_zero";
     case Defect::Kind::incomplete:
+      return "incomplete";
+    case Defect::Kind::no_checksum:
       break;
   }
-  return "incomplete";
+  return "no_checksum";
 }
 
 double median_interval(std::vector<double> stamps) {
@@ -160,6 +162,7 @@ void check_presence(const Recording& recording, const Declared& declared, Findin
     if (defect.kind == Defect::Kind::refused)
       refused[is_wrench ? 0 : is_displacement ? 1 : 2] = defect.topic != temperature_topic;
     const bool is_error = defect.topic != temperature_topic && defect.kind != Defect::Kind::time_zero &&
+                          defect.kind != Defect::Kind::no_checksum &&
                           !(defect.kind == Defect::Kind::incomplete && defect.text.rfind("effort", 0) == 0);
     findings.add(is_error, kind_of(defect.kind), defect.topic, defect.count, defect.first_time, defect.text);
   }
@@ -169,19 +172,23 @@ void check_presence(const Recording& recording, const Declared& declared, Findin
   };
   const bool no_wrench = log.ft.time.empty();
   const bool no_displacement = log.draw_wire.time.empty();
+  if (no_wrench && no_displacement && log.joints.time.empty() && recording.defects.empty()) {
+    std::string topics;
+    for (const auto& [topic, count] : recording.other_topics) topics += (topics.empty() ? "" : ", ") + topic;
+    findings.error(
+        "foreign", "", recording.other_topics.size(), no_time,
+        topics.empty()
+            ? "the bag holds no message"
+            : fmt::format("no topic of a rig log, but {:.200}: foreign logs come in by `twin import`",
+                          topics));
+    return;
+  }
   if (no_wrench && !refused[0] && !declared.has_wrench_averages)
     missing(no_displacement || declared.pressing, wrench_topic, "no force can be compared");
   if (no_displacement && !refused[1] && !declared.has_displacement_averages)
     missing(no_wrench || declared.pressing, displacement_topic, "no sinkage can be compared");
   if (log.joints.time.empty() && !refused[2] && !declared.pressing)
     missing(true, joints_topic, "the twin cannot be driven with the measured motion");
-  if (no_wrench && no_displacement && log.joints.time.empty() && !recording.other_topics.empty()) {
-    std::string topics;
-    for (const auto& [topic, count] : recording.other_topics) topics += (topics.empty() ? "" : ", ") + topic;
-    findings.error(
-        "foreign", "", recording.other_topics.size(), no_time,
-        fmt::format("no topic of a rig log, but {:.200}: foreign logs come in by `twin import`", topics));
-  }
 }
 
 void check_stamps(const Recording& recording, const Declared& declared, Findings& findings) {

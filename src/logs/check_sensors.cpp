@@ -36,7 +36,9 @@ constexpr double carrying_share =
     0.5;  // of the load: then the wheel does not hang, and the displacement is wrong
 constexpr double drift_force = 0.5;  // N over the steady part, and share of the load
 constexpr double drift_share = 0.01;
-constexpr double drift_certainty = 6.0;  // times the scatter of means over 2 s about the line
+constexpr double drift_certainty = 6.0;  // times the scatter of the blocks' medians about the line
+constexpr double drift_span = 10.0;      // s; a shorter steady part shows no drift
+constexpr int drift_blocks = 12;
 
 bool near_range(double value, const std::array<double, 3>& ranges) {
   return std::any_of(ranges.begin(), ranges.end(),
@@ -64,30 +66,23 @@ void check_channel(const Channel& channel, const std::array<double, 3>* ranges,
     if (runs[i].length > runs[longest].length) longest = i;
   for (const double extreme : {*low, *high}) {
     if (extreme == 0.0 || *low == *high) continue;
+    std::vector<EqualRun> others;
     std::size_t count = 0;
-    std::size_t run = 0;
-    std::size_t first = channel.value.size();
-    std::size_t run_index = 0;
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-      if (channel.value[runs[i].begin] != extreme) continue;
-      count += runs[i].length;
-      first = std::min(first, runs[i].begin);
-      if (runs[i].length > run) {
-        run = runs[i].length;
-        run_index = i;
+    EqualRun flat;
+    for (const EqualRun& run : runs) {
+      if (channel.value[run.begin] != extreme) {
+        others.push_back(run);
+        continue;
       }
+      count += run.length;
+      if (run.length > flat.length) flat = run;
     }
     const bool at_range = ranges != nullptr && near_range(extreme, *ranges) && count >= at_range_samples;
-    const bool flat = run >= flat_samples &&
-                      static_cast<double>(run) > flat_ratio * run_length_quantile(runs, 0.95, run_index) &&
-                      liveliness(channel, runs[run_index].begin, still_channel) > lively &&
-                      count > runs[longest].length / 2 &&
-                      runs[run_index].begin + run < channel.value.size() &&
-                      std::count_if(runs.begin(), runs.end(), [&](const EqualRun& r) {
-                        return channel.value[r.begin] == extreme && r.length >= 3;
-                      }) >= 2;
-    if (at_range || flat)
-      findings.error("saturated", channel.topic, count, channel.time[first],
+    const bool is_flat = flat.length >= flat_samples && flat.begin + flat.length < channel.value.size() &&
+                         static_cast<double>(flat.length) > flat_ratio * run_length_quantile(others, 0.95) &&
+                         liveliness(channel, flat.begin, still_channel) > lively;
+    if (at_range || is_flat)
+      findings.error("saturated", channel.topic, count, channel.time[flat.begin],
                      fmt::format("{} stands at its {} of {:.6g}: saturated", channel.name,
                                  extreme == *low ? "least" : "most", extreme));
   }
@@ -182,28 +177,30 @@ void check_tare(const run_log::RunLog& log, const Declared& declared, Findings& 
     }
   }
   // On a free slide the load is the dead weight: in the steady part it may vary, but not run away.
-  constexpr double block = 2.0;
+  const double span = part.second - part.first;
+  if (!(span > drift_span)) return;
   std::vector<double> time;
   std::vector<double> mean;
-  for (double begin = part.first; begin + block <= part.second; begin += block) {
-    const double value = median_in(ft.time, normal, {begin, begin + block});
+  for (int block = 0; block < drift_blocks; ++block) {
+    const double begin = part.first + span * block / drift_blocks;
+    const double value = median_in(ft.time, normal, {begin, begin + span / drift_blocks});
     if (!std::isfinite(value)) continue;
-    time.push_back(begin + 0.5 * block);
+    time.push_back(begin + 0.5 * span / drift_blocks);
     mean.push_back(value);
   }
-  if (time.size() < 8) return;
+  if (time.size() < drift_blocks / 2) return;
   const Line line = fit_line(time, mean);
   double scatter = 0.0;
   for (std::size_t i = 0; i < time.size(); ++i)
     scatter +=
         std::pow(mean[i] - line.offset - line.slope * time[i], 2) / static_cast<double>(time.size() - 2);
-  const double drift = line.slope * (part.second - part.first);
+  const double drift = line.slope * span;
   if (std::abs(drift) > std::max(drift_force, drift_share * load) &&
       std::abs(drift) > drift_certainty * std::sqrt(scatter))
     findings.warning(
         "drift", wrench_topic, 1, part.first,
         fmt::format("Fz drifts by {:+.3g} N in {:.3g} s under a constant dead weight: the tare drifts", drift,
-                    part.second - part.first));
+                    span));
 }
 
 }  // namespace wheel_twin::logs::rules

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 namespace wheel_twin::logs {
 
@@ -27,13 +28,12 @@ std::vector<EqualRun> equal_runs(const std::vector<double>& values) {
   return runs;
 }
 
-double run_length_quantile(const std::vector<EqualRun>& runs, double fraction, std::size_t without) {
+double run_length_quantile(const std::vector<EqualRun>& runs, double fraction) {
   std::vector<std::size_t> lengths;
   std::size_t samples = 0;
-  for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (i == without) continue;
-    lengths.push_back(runs[i].length);
-    samples += runs[i].length;
+  for (const EqualRun& run : runs) {
+    lengths.push_back(run.length);
+    samples += run.length;
   }
   std::sort(lengths.begin(), lengths.end());
   std::size_t seen = 0;

@@ -17,9 +17,9 @@ struct EqualRun {
 };
 std::vector<EqualRun> equal_runs(const std::vector<double>& values);
 
-/// Length of the run in which a sample stands, for the sample at `fraction` of all samples sorted by it;
-/// `without`: a run that is left out.
-double run_length_quantile(const std::vector<EqualRun>& runs, double fraction, std::size_t without);
+/// Length of the run in which a sample stands, for the sample at `fraction` of all samples sorted by it. 0
+/// for no run.
+double run_length_quantile(const std::vector<EqualRun>& runs, double fraction);
 
 struct Line {
   double slope = 0.0;

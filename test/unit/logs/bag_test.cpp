@@ -46,7 +46,8 @@ TEST_P(BagRoundTrip, ReadsBackWhatWasWritten) {
   const run_log::RunLog log = sound_run();
   write_bag(log, scratch_ / "a.bag", GetParam());
   const Recording recording = read_recording(scratch_ / "a.bag");
-  EXPECT_TRUE(recording.defects.empty()) << recording.defects.front().text;
+  ASSERT_EQ(recording.defects.size(), GetParam() == Compression::none ? 1u : 0u);
+  for (const Defect& defect : recording.defects) EXPECT_EQ(defect.kind, Defect::Kind::no_checksum);
   EXPECT_TRUE(recording.other_topics.empty());
   expect_same(recording.log, log);
   EXPECT_EQ(recording.ft_arrival, log.ft.time);

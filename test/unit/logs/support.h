@@ -73,7 +73,7 @@ inline run_log::RunLog sound_run(double duration = 20.0, double rate = 50.0, std
     const double ramp = std::min(1.0, std::max(0.0, (t - 4.0) / 1.0));
     const double rate_now = 0.28 * ramp;
     angle += rate_now / rate;
-    position += 0.018 * ramp / rate;
+    position += 0.014 * ramp / rate;
     const auto force = [&](double mean, double noise) {
       return rounded(mean + noise * random.normal(), 1.0 / 16.0);
     };
@@ -85,7 +85,7 @@ inline run_log::RunLog sound_run(double duration = 20.0, double rate = 50.0, std
     log.draw_wire.value.push_back(rounded(depth + 3e-5 * random.normal(), 5e-5));
     log.joints.time.push_back(t);
     log.joints.carriage_position.push_back(position);
-    log.joints.carriage_velocity.push_back(0.018 * ramp + 1e-5 * random.normal());
+    log.joints.carriage_velocity.push_back(0.014 * ramp + 1e-5 * random.normal());
     log.joints.wheel_angle.push_back(angle);
     log.joints.wheel_rate.push_back(rate_now + 1e-4 * random.normal());
     log.joints.wheel_effort.push_back(0.03 * load * ramp + 0.002 * random.normal());
