@@ -1,7 +1,7 @@
 #include "rig/rig.h"
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 #include <Eigen/Geometry>
 #include <cmath>
