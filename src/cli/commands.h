@@ -7,6 +7,9 @@ namespace wheel_twin::cli {
 
 // One line a subcommand, in the order of the help page.
 void add_run(CLI::App& app);
+void add_bed(CLI::App& app);
+void add_bulk(CLI::App& app);
+void add_calibrate(CLI::App& app);
 void add_import(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);

@@ -11,6 +11,9 @@ int main(int argc, char** argv) {
       "Digital twin of a single-wheel test rig. `twin COMMAND --help` shows an example of each command."};
   app.require_subcommand(1);
   wheel_twin::cli::add_run(app);
+  wheel_twin::cli::add_bed(app);
+  wheel_twin::cli::add_bulk(app);
+  wheel_twin::cli::add_calibrate(app);
   wheel_twin::cli::add_import(app);
   wheel_twin::cli::add_check(app);
   wheel_twin::cli::add_compare(app);

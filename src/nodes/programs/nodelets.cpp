@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "nodes/clean_shutdown.h"
+#include "nodes/dem_soil_bridge.h"
 #include "nodes/live_twin_bridge.h"
 #include "nodes/virtual_rig_bridge.h"
 
@@ -29,8 +30,10 @@ class BridgeNodelet : public nodelet::Nodelet {
 
 using VirtualRigNodelet = BridgeNodelet<VirtualRigBridge>;
 using LiveTwinNodelet = BridgeNodelet<LiveTwinBridge>;
+using DemSoilNodelet = BridgeNodelet<DemSoilBridge>;
 
 }  // namespace wheel_twin::nodes
 
 PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::VirtualRigNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::LiveTwinNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::DemSoilNodelet, nodelet::Nodelet)
