@@ -14,5 +14,6 @@ void add_import(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_steady(CLI::App& app);
+void add_bench(CLI::App& app);
 
 }  // namespace wheel_twin::cli

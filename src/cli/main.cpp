@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   wheel_twin::cli::add_check(app);
   wheel_twin::cli::add_compare(app);
   wheel_twin::cli::add_steady(app);
+  wheel_twin::cli::add_bench(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

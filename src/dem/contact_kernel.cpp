@@ -174,17 +174,19 @@ ContactResult EvaluatePairsOf(const ContactTask& task, std::size_t begin, std::s
   return result;
 }
 
-ContactResult EvaluatePairs(const ContactTask& task, std::size_t begin, std::size_t end) {
-  const bool many = !task.pairs->law.empty();
-  if (task.law.rolling || task.law.cohesive) {
-    return many ? EvaluatePairsOf<true, true, true>(task, begin, end)
-                : EvaluatePairsOf<true, true, false>(task, begin, end);
-  }
-  return many ? EvaluatePairsOf<false, false, true>(task, begin, end)
-              : EvaluatePairsOf<false, false, false>(task, begin, end);
+template <bool kRolling, bool kCohesion>
+ContactResult EvaluatePairsWith(const ContactTask& task, std::size_t begin, std::size_t end) {
+  return task.pairs->law.empty() ? EvaluatePairsOf<kRolling, kCohesion, false>(task, begin, end)
+                                 : EvaluatePairsOf<kRolling, kCohesion, true>(task, begin, end);
 }
 
-template <bool kFurther>
+ContactResult EvaluatePairs(const ContactTask& task, std::size_t begin, std::size_t end) {
+  if (task.law.rolling) return EvaluatePairsWith<true, true>(task, begin, end);
+  if (task.law.cohesive) return EvaluatePairsWith<false, true>(task, begin, end);
+  return EvaluatePairsWith<false, false>(task, begin, end);
+}
+
+template <bool kRolling, bool kCohesion>
 ContactResult EvaluateWallsOf(const WallTask& task) {
   const D d;
   const DF df;
@@ -202,11 +204,11 @@ ContactResult EvaluateWallsOf(const WallTask& task) {
   const VF one_over_dt = hn::Set(df, static_cast<float>(1.0 / task.time_step));
   const VD force_magic = hn::Set(d, task.quanta.force_magic);
   const VD torque_magic = hn::Set(d, task.quanta.torque_magic);
-  const auto vector = [&](const Array<double>* columns, std::size_t at) {
+  const auto vector = [&](const Column<double>* columns, std::size_t at) {
     return Vector3<VD>{hn::LoadU(d, columns[0].data() + at), hn::LoadU(d, columns[1].data() + at),
                        hn::LoadU(d, columns[2].data() + at)};
   };
-  const auto vector_f = [&](const Array<float>* columns, std::size_t at) {
+  const auto vector_f = [&](const Column<float>* columns, std::size_t at) {
     return Vector3<VF>{hn::LoadU(df, columns[0].data() + at), hn::LoadU(df, columns[1].data() + at),
                        hn::LoadU(df, columns[2].data() + at)};
   };
@@ -235,13 +237,13 @@ ContactResult EvaluateWallsOf(const WallTask& task) {
     c.stiffness = hn::LoadU(df, contacts.stiffness.data() + at);
     c.damping = hn::LoadU(df, contacts.damping.data() + at);
     law.Fill(contacts.law.data() + at, c);
-    ContactHistoryVector<VF> history = LoadHistory<kFurther>(history_columns, at);
-    const ContactResponse<VF> response = EvaluateContact<kFurther, kFurther>(c, dt, one_over_dt, history);
-    StoreHistory<kFurther>(history, history_columns, at);
+    ContactHistoryVector<VF> history = LoadHistory<kRolling>(history_columns, at);
+    const ContactResponse<VF> response = EvaluateContact<kRolling, kCohesion>(c, dt, one_over_dt, history);
+    StoreHistory<kRolling>(history, history_columns, at);
     if (task.trace != nullptr) StoreTrace(task.trace, task.trace_stride, at, c, response);
     const Vector3<VD> force = RoundedTo(Wide(response.force), force_magic);
     Vector3<VD> torque = Cross(lever, force);
-    if constexpr (kFurther) torque = PlusScaled(torque, hn::Set(d, 1.0), Wide(response.torque));
+    if constexpr (kRolling) torque = PlusScaled(torque, hn::Set(d, 1.0), Wide(response.torque));
     hn::StoreU(force.x, d, contacts.force[0].data() + at);
     hn::StoreU(force.y, d, contacts.force[1].data() + at);
     hn::StoreU(force.z, d, contacts.force[2].data() + at);
@@ -255,7 +257,8 @@ ContactResult EvaluateWallsOf(const WallTask& task) {
 }
 
 ContactResult EvaluateWalls(const WallTask& task) {
-  return task.law.rolling || task.law.cohesive ? EvaluateWallsOf<true>(task) : EvaluateWallsOf<false>(task);
+  if (task.law.rolling) return EvaluateWallsOf<true, true>(task);
+  return task.law.cohesive ? EvaluateWallsOf<false, true>(task) : EvaluateWallsOf<false, false>(task);
 }
 
 const char* InstructionSet() {

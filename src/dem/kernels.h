@@ -27,8 +27,8 @@ struct Period {
 
 /// Templates as tables: 16 entries a shape.
 struct ShapeTable {
-  Array<double> x, y, z, radius;
-  Array<std::uint8_t> count;
+  Column<double> x, y, z, radius;
+  Column<std::uint8_t> count;
   int largest_count = 1;
 };
 
@@ -76,15 +76,15 @@ struct ContactResult {
 /// Contacts with walls, found before the kernel runs: sphere against a point of a surface.
 struct WallContacts {
   std::size_t size = 0;  ///< entries; the arrays are padded to a batch
-  Array<std::uint32_t> sphere;
-  Array<double> normal[3];   ///< from the wall to the sphere
-  Array<double> distance;    ///< from the surface to the sphere's centre, m
-  Array<float> velocity[3];  ///< of the wall there, m/s
-  Array<float> spin[3];      ///< of the wall, rad/s
-  Array<float> stiffness, damping;
-  Array<std::uint8_t> law;
-  Array<float> shear[3], overlap, rolling[3];  ///< history, replaced
-  Array<double> force[3];                      ///< on the sphere, rounded; output
+  Column<std::uint32_t> sphere;
+  Column<double> normal[3];   ///< from the wall to the sphere
+  Column<double> distance;    ///< from the surface to the sphere's centre, m
+  Column<float> velocity[3];  ///< of the wall there, m/s
+  Column<float> spin[3];      ///< of the wall, rad/s
+  Column<float> stiffness, damping;
+  Column<std::uint8_t> law;
+  Column<float> shear[3], overlap, rolling[3];  ///< history, replaced
+  Column<double> force[3];                      ///< on the sphere, rounded; output
   void resize(std::size_t entries, bool rolls);
 };
 

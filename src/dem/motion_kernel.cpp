@@ -12,12 +12,12 @@ HWY_BEFORE_NAMESPACE();
 namespace wheel_twin::dem::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_INLINE Vector3<VD> Load3(const Array<double>* columns, std::size_t at) {
+HWY_INLINE Vector3<VD> Load3(const Column<double>* columns, std::size_t at) {
   const D d;
   return {hn::LoadU(d, columns[0].data() + at), hn::LoadU(d, columns[1].data() + at),
           hn::LoadU(d, columns[2].data() + at)};
 }
-HWY_INLINE void Store3(const Vector3<VD>& a, Array<double>* columns, std::size_t at) {
+HWY_INLINE void Store3(const Vector3<VD>& a, Column<double>* columns, std::size_t at) {
   const D d;
   hn::StoreU(a.x, d, columns[0].data() + at);
   hn::StoreU(a.y, d, columns[1].data() + at);

@@ -221,7 +221,7 @@ class Grid {
   }
 
   const Period& period_;
-  const Array<std::uint32_t>& body_;
+  const Column<std::uint32_t>& body_;
   std::vector<std::uint32_t> big_;
   std::vector<std::array<float, 4>> big_at_;
   float largest_small_ = 0.0F;
@@ -238,9 +238,9 @@ class Grid {
 };
 
 template <typename T>
-void reorder(Array<T>& values, const std::vector<std::uint32_t>& order) {
+void reorder(Column<T>& values, const std::vector<std::uint32_t>& order) {
   if (values.empty()) return;
-  const Array<T> old = values;
+  const Column<T> old = values;
   for (std::size_t k = 0; k < order.size(); ++k) values[k] = old[order[k]];
 }
 

@@ -32,7 +32,7 @@ struct CacheAligned {
   }
 };
 template <typename T>
-using Array = std::vector<T, CacheAligned<T>>;
+using Column = std::vector<T, CacheAligned<T>>;
 
 constexpr std::size_t kBatch = 8;  ///< bodies and contacts are worked on in batches of this many
 
@@ -56,27 +56,27 @@ static_assert(sizeof(LoadRow) == 64);
 
 struct Bodies {
   std::size_t count = 0;  ///< the arrays are longer: padded to a batch, and one batch of dummies behind
-  Array<double> x[3];     ///< centre of mass, m
-  Array<double> v[3];     ///< at half steps, m/s
-  Array<double> l[3];     ///< angular momentum at half steps, world axes, kg m^2/s
-  Array<double> q[4];     ///< orientation w, x, y, z; empty when every template is one sphere
-  Array<double> inverse_mass;
-  Array<double> inverse_inertia[3];  ///< principal; only the first when every template is one sphere
-  Array<float> size;                 ///< factor on the template
-  Array<float> stiffness;            ///< factor on the moduli
-  Array<float> slack;    ///< way that a sphere of the body may still go before the inner list must be made, m
-  Array<float> reserve;  ///< further way before the outer list must be made, m
-  Array<float> reach;    ///< largest lever, m
-  Array<std::uint32_t> rank;   ///< number of the particle
-  Array<std::uint32_t> first;  ///< first sphere
-  Array<std::uint16_t> shape, material;
-  Array<LoadRow> load;
+  Column<double> x[3];     ///< centre of mass, m
+  Column<double> v[3];     ///< at half steps, m/s
+  Column<double> l[3];     ///< angular momentum at half steps, world axes, kg m^2/s
+  Column<double> q[4];     ///< orientation w, x, y, z; empty when every template is one sphere
+  Column<double> inverse_mass;
+  Column<double> inverse_inertia[3];  ///< principal; only the first when every template is one sphere
+  Column<float> size;                 ///< factor on the template
+  Column<float> stiffness;            ///< factor on the moduli
+  Column<float> slack;    ///< way that a sphere of the body may still go before the inner list must be made, m
+  Column<float> reserve;  ///< further way before the outer list must be made, m
+  Column<float> reach;    ///< largest lever, m
+  Column<std::uint32_t> rank;   ///< number of the particle
+  Column<std::uint32_t> first;  ///< first sphere
+  Column<std::uint16_t> shape, material;
+  Column<LoadRow> load;
 };
 
 struct Spheres {
   std::size_t count = 0;  ///< two dummies behind, far apart from everything, stand in for missing pairs
-  Array<SphereRow> row;
-  Array<std::uint32_t> body;
+  Column<SphereRow> row;
+  Column<std::uint32_t> body;
 };
 
 /// Contact candidates of the inner list, one structure of arrays; what `columns` holds travels with the pair.
@@ -89,19 +89,19 @@ struct PairList {
   static constexpr int kColumns = 9;
 
   std::size_t size = 0;  ///< a multiple of kBatch
-  Array<std::uint32_t> i, j;
-  Array<std::uint32_t> source;  ///< place in the outer list, increasing
-  Array<std::uint8_t> law;      ///< pair of materials; empty when there is only one
-  std::array<Array<float>, kColumns> columns;
+  Column<std::uint32_t> i, j;
+  Column<std::uint32_t> source;  ///< place in the outer list, increasing
+  Column<std::uint8_t> law;      ///< pair of materials; empty when there is only one
+  std::array<Column<float>, kColumns> columns;
 };
 
 /// Properties of a pair of materials as the contact law wants them.
 struct LawTable {
-  Array<float> shear_ratio;  ///< S_t / S_n = 4 G_eq / E_eq
-  Array<float> shear_ratio_root;
-  Array<float> friction;
-  Array<float> rolling;
-  Array<float> cohesion;  ///< J/m^3
+  Column<float> shear_ratio;  ///< S_t / S_n = 4 G_eq / E_eq
+  Column<float> shear_ratio_root;
+  Column<float> friction;
+  Column<float> rolling;
+  Column<float> cohesion;  ///< J/m^3
 };
 
 }  // namespace wheel_twin::dem

@@ -119,7 +119,7 @@ struct System::Impl {
   ThreadBounds bounds;
   OuterList outer;
   std::vector<PairList> lists;
-  std::vector<Array<float>> traces;
+  std::vector<Column<float>> traces;
   std::vector<ContactHistory> pending;                           ///< histories to be put into the next lists
   bool stale = true;                                             ///< lists must be made from nothing
   bool coefficients_stale = false;                               ///< pair coefficients must be computed again

@@ -123,8 +123,8 @@ void System::Impl::build_inner(std::size_t part) {
   next.size = next.i.size();
   for (int c = 0; c < PairList::kColumns; ++c) {
     if (c >= PairList::kRolling && !law.rolling) continue;
-    Array<float>& to = next.columns[c];
-    const Array<float>& source = list.columns[c];
+    Column<float>& to = next.columns[c];
+    const Column<float>& source = list.columns[c];
     const bool renew = c <= PairList::kDamping && coefficients_stale;
     to.resize(next.size);
     for (std::size_t n = 0; n < next.size; ++n) {

@@ -63,7 +63,7 @@ class WallSet {
   WallContacts& contacts(std::size_t thread) { return threads_[thread].contacts; }
   const WallContacts& contacts(std::size_t thread) const { return threads_[thread].contacts; }
   /// Columns of the trace of this step's contacts, for the energy book.
-  Array<float>& trace(std::size_t thread) { return threads_[thread].trace; }
+  Column<float>& trace(std::size_t thread) { return threads_[thread].trace; }
   std::vector<Touch>& touches(std::size_t thread) { return threads_[thread].touches; }
   const std::vector<Touch>& touches(std::size_t thread) const { return threads_[thread].touches; }
   /// Touches of the last step that ended or passed on in this one are in `before`; same order.
@@ -84,7 +84,7 @@ class WallSet {
     std::vector<Candidate> outer, inner;
     std::vector<Touch> touches, before;
     WallContacts contacts;
-    Array<float> trace;
+    Column<float> trace;
     std::vector<double> wrench;  ///< 7 a part: force, torque, power
     std::vector<Eigen::Vector3d> point;
   };
