@@ -23,9 +23,11 @@ namespace {
 using dem::GranularSoil;
 using Eigen::Vector3d;
 
-constexpr int method_version = 1;
+constexpr int method_version = 2;
 constexpr double gravity = 9.81;
 constexpr double cloud_density = 0.22;
+constexpr double seating_stress = 20e3;  // Pa, the paper's lowest normal stress
+constexpr double seating_time = 0.1;     // s
 
 // Numbers of the walls, in the order in which they are added.
 enum Part : std::uint32_t { floor_plate, lower_frame, upper_frame, top_plate };
@@ -55,20 +57,18 @@ dem::System box(const GranularSoil& soil, const ShearSettings& s, double top, bo
     wall.pose.position = position;
     system.add_wall(wall);
   };
-  // Frames reach a little beyond the periodic sides, so that a clump on the side meets a whole wall.
-  const double y = -2.0 * soil.clumps.largest_bounding_radius();
-  const Vector3d across(0.0, s.width - 2.0 * y, 0.0);
+  const Vector3d across(0.0, s.width, 0.0);
   const double middle = 0.5 * s.height;
   const Vector3d rise_low(0.0, 0.0, middle);
   const Vector3d rise_high(0.0, 0.0, top - middle);
   add("floor", dem::HalfSpace{Vector3d::UnitZ()}, Vector3d::Zero());
-  dem::Mesh lower = dem::parallelogram({0.0, y, 0.0}, across, rise_low);
-  append(lower, dem::parallelogram({s.length, y, 0.0}, across, rise_low));
-  append(lower, dem::parallelogram({-flange, y, middle}, across, {flange, 0.0, 0.0}));
+  dem::Mesh lower = dem::parallelogram({0.0, 0.0, 0.0}, across, rise_low);
+  append(lower, dem::parallelogram({s.length, 0.0, 0.0}, across, rise_low));
+  append(lower, dem::parallelogram({-flange, 0.0, middle}, across, {flange, 0.0, 0.0}));
   add("lower frame", lower, Vector3d::Zero());
-  dem::Mesh upper = dem::parallelogram({0.0, y, middle}, across, rise_high);
-  append(upper, dem::parallelogram({s.length, y, middle}, across, rise_high));
-  append(upper, dem::parallelogram({s.length, y, middle}, across, {flange, 0.0, 0.0}));
+  dem::Mesh upper = dem::parallelogram({0.0, 0.0, middle}, across, rise_high);
+  append(upper, dem::parallelogram({s.length, 0.0, middle}, across, rise_high));
+  append(upper, dem::parallelogram({s.length, 0.0, middle}, across, {flange, 0.0, 0.0}));
   add("upper frame", upper, Vector3d::Zero());
   if (with_plate) add("top plate", dem::HalfSpace{-Vector3d::UnitZ()}, {0.0, 0.0, top});
   return system;
@@ -102,12 +102,6 @@ dem::System filled_box(const GranularSoil& soil, const ShearSettings& s, double 
   return system;
 }
 
-double void_ratio_of(const dem::System& system, const ShearSettings& s) {
-  const dem::Box inside{{0.0, 0.0, 0.0}, {s.length, s.width, 1.0}};
-  const double surface = mean_height(height_map(system.spheres(), inside, 0.001));
-  return s.length * s.width * surface / solid_volume(system) - 1.0;
-}
-
 double highest_point(const dem::System& system) {
   double top = 0.0;
   for (const dem::SphereState& sphere : system.spheres())
@@ -139,6 +133,38 @@ class Servo {
   double gain_;
 };
 
+// The sample under the top plate, ready to consolidate.
+dem::System plated_box(const GranularSoil& soil, const ShearSettings& s, dem::State state) {
+  state.step = 0;
+  dem::System probe = box(soil, s, 1.0, false);
+  probe.restore(state);
+  dem::System system = box(soil, s, highest_point(probe) + 1e-4, true);
+  // The sample's contacts live on; its walls are those of a box without a plate.
+  state.walls.clear();
+  state.wall_removed.clear();
+  for (std::uint32_t i = 0; i < system.wall_count(); ++i) {
+    state.walls.push_back(system.wall(i));
+    state.wall_removed.push_back(0);
+  }
+  system.restore(state);
+  return system;
+}
+
+double void_ratio_of(const dem::System& system, const ShearSettings& s) {
+  return s.length * s.width * system.wall(top_plate).pose.position.z() / solid_volume(system) - 1.0;
+}
+
+// Void ratio once the plate sits with the seating stress.
+double seated_void_ratio(const GranularSoil& soil, const ShearSettings& s, const dem::State& state) {
+  dem::System system = plated_box(soil, s, state);
+  Servo servo(system, s.length * s.width);
+  while (system.time() < seating_time) {
+    servo.update(seating_stress * s.length * s.width);
+    system.step(Servo::interval);
+  }
+  return void_ratio_of(system, s);
+}
+
 }  // namespace
 
 ShearSample shear_sample(const GranularSoil& soil, const ShearSettings& s) {
@@ -149,11 +175,11 @@ ShearSample shear_sample(const GranularSoil& soil, const ShearSettings& s) {
     };
     const double full = soil.grain_grain.friction;
     const double friction = density(full) >= target ? full : dem::tune_friction(target, full, 0.003, density);
-    const dem::System system = filled_box(soil, s, friction);
+    const dem::State state = filled_box(soil, s, friction).state();
     dem::Archive made;
-    store(system.state(), made);
+    store(state, made);
     made.set_number("fill_friction", friction);
-    made.set_number("void_ratio", void_ratio_of(system, s));
+    made.set_number("void_ratio", seated_void_ratio(soil, s, state));
     return made;
   });
   ShearSample sample;
@@ -166,21 +192,7 @@ ShearSample shear_sample(const GranularSoil& soil, const ShearSettings& s) {
 
 ShearCurve shear(const GranularSoil& soil, const ShearSample& sample, const ShearSettings& s,
                  double normal_stress, const std::function<void(double)>& progress) {
-  dem::System probe = box(soil, s, 1.0, false);
-  dem::State state = sample.state;
-  state.step = 0;
-  probe.restore(state);
-  const double top = highest_point(probe) + 1e-4;
-  dem::System system = box(soil, s, top, true);
-  // The sample's contacts live on; its walls are those of a box without a plate.
-  state.walls.clear();
-  state.wall_removed.clear();
-  for (std::uint32_t i = 0; i < system.wall_count(); ++i) {
-    state.walls.push_back(system.wall(i));
-    state.wall_removed.push_back(0);
-  }
-  system.restore(state);
-
+  dem::System system = plated_box(soil, s, sample.state);
   Servo servo(system, s.length * s.width);
   const double shear_time = s.travel / s.rate;
   const double total_time = s.consolidation_time + shear_time;
@@ -199,7 +211,7 @@ ShearCurve shear(const GranularSoil& soil, const ShearSample& sample, const Shea
   ShearCurve curve;
   curve.normal_stress = normal_stress;
   const double plate_start = system.wall(top_plate).pose.position.z();
-  curve.void_ratio_consolidated = s.length * s.width * plate_start / solid_volume(system) - 1.0;
+  curve.void_ratio_consolidated = void_ratio_of(system, s);
   dem::Motion motion;
   motion.velocity.x() = s.rate;
   system.set_wall_motion(floor_plate, motion);

@@ -32,7 +32,7 @@ struct ShearSample {
   dem::State state;
   std::size_t clumps = 0;
   double fill_friction = 0.0;
-  double void_ratio = 0.0;  ///< pores over grains, box wall to box wall, floor to mean surface
+  double void_ratio = 0.0;  ///< pores over grains in the box, under the plate at 20 kPa
 };
 
 /// Fetched from the cache or made. The friction while filling is tuned to the soil's shear_box_void_ratio;

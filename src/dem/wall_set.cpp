@@ -19,11 +19,14 @@ Eigen::Vector3d image_near(const Eigen::Vector3d& x, const Eigen::Vector3d& cent
   return y;
 }
 
-/// Where on the periodic axes a face is: its middle, for half-spaces the sphere itself.
+/// Where on the periodic axes a face is: the middle of its bounds (the nearest image of a point to it lies
+/// within the bounds of a face as long as the period, which the centroid does not give), for half-spaces the
+/// sphere itself.
 Eigen::Vector3d middle_of(const Facet& facet, const Eigen::Vector3d& fallback) {
   switch (facet.kind) {
     case Facet::Kind::kTriangle:
-      return (facet.a + facet.b + facet.c) / 3.0;
+      return 0.5 *
+             (facet.a.cwiseMin(facet.b).cwiseMin(facet.c) + facet.a.cwiseMax(facet.b).cwiseMax(facet.c));
     case Facet::Kind::kRing:
       return facet.a + 0.5 * (facet.h0 + facet.h1) * facet.b;
     default:
