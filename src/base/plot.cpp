@@ -159,7 +159,7 @@ std::string svg(const Plot& plot, int width, int height) {
     }
   if (entries > 0) {
     // The corner with the fewest data points under the legend.
-    const double box_w = 44 + 7.4 * static_cast<double>(longest);
+    const double box_w = 48 + 8.0 * static_cast<double>(longest);
     const double box_h = 8 + 18.0 * static_cast<double>(entries);
     double best_x = 0, best_y = 0;
     std::size_t best_hits = std::numeric_limits<std::size_t>::max();

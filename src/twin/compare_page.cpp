@@ -21,8 +21,18 @@ std::string axis(Channel channel) {
   return fmt::format("{} ({})", title_of(channel), shown_unit_of(channel));
 }
 
+// Two decimals, more where the value is small; a minus sign as a person writes it.
 std::string shown(Channel channel, double value) {
-  return fmt::format("{:.{}f}", shown_factor(channel) * value, unit_of(channel) == "N m" ? 3 : 2);
+  const double v = shown_factor(channel) * value;
+  const double size = std::abs(v);
+  const int decimals = size >= 0.1 || size == 0.0 ? 2 : size >= 0.01 ? 3 : 4;
+  const std::string text = fmt::format("{:.{}f}", size, decimals);
+  return v < 0.0 && text.find_first_not_of("0.") != std::string::npos ? "−" + text : text;
+}
+
+// Whole degrees, without the sign of a zero.
+std::string degrees(double angle) {
+  return fmt::format("{}", std::lround(angle / degree));
 }
 
 std::vector<Channel> channels_in(const std::vector<RunComparison>& runs) {
@@ -89,40 +99,47 @@ std::string against_slip(const std::vector<RunComparison>& runs, Channel channel
   return page::pair(svg(values, 560, 340), svg(residuals, 560, 340));
 }
 
-Plot over_time(const RunComparison& run, Channel channel) {
+// Both curves of a channel and their difference, each point the mean over a three-hundredth of the run.
+std::string over_time(const RunComparison& run, Channel channel) {
   const SeriesComparison& series = *run.at(channel)->series;
-  Plot plot;
+  Plot plot, residuals;
   plot.title = std::string(title_of(channel));
-  plot.x_label = "Time from the start of the run (s)";
+  residuals.x_label = "Time from the start of the run (s)";
   plot.y_label = axis(channel);
-  PlotSeries measured, twin;
+  residuals.y_label = "Twin − measured";
+  PlotSeries measured, twin, residual;
   measured.label = "measured";
   measured.color = measured_color;
   twin.label = "twin";
   twin.color = twin_color;
+  residual.color = residual_color;
   constexpr std::size_t shown_points = 300;
   const std::size_t stride = std::max<std::size_t>(1, series.time.size() / shown_points);
   const double factor = shown_factor(channel);
   for (std::size_t i = 0; i + stride <= series.time.size(); i += stride) {
     double time = 0.0, a = 0.0, b = 0.0;
-    for (std::size_t k = i; k < i + stride; ++k)
-      time += series.time[k], a += series.measured[k], b += series.twin[k];
+    for (std::size_t k = i; k < i + stride; ++k) {
+      time += series.time[k];
+      a += series.measured[k];
+      b += series.twin[k];
+    }
     const auto count = static_cast<double>(stride);
-    measured.x.push_back(time / count);
+    for (PlotSeries* curve : {&measured, &twin, &residual}) curve->x.push_back(time / count);
     measured.y.push_back(factor * a / count);
-    twin.x.push_back(time / count);
     twin.y.push_back(factor * b / count);
+    residual.y.push_back(factor * (b - a) / count);
   }
   plot.series = {measured, twin};
+  residuals.series = {residual};
   if (run.at(channel)->from_average && run.run.averages) {
     PlotSeries window;
     window.label = "window of the averages";
-    window.color = 2;
+    window.color = 3;
     window.x = {run.run.averages->window_start, run.run.averages->window_end};
     window.y = {factor * run.at(channel)->mean.measured, factor * run.at(channel)->mean.measured};
     plot.series.push_back(window);
   }
-  return plot;
+  return "<div>" + svg(plot, 460, 260) + svg(residuals, 460, 180) + "</div>";
 }
 
 std::string time_courses(const std::vector<RunComparison>& runs, const std::vector<Channel>& channels) {
@@ -130,10 +147,10 @@ std::string time_courses(const std::vector<RunComparison>& runs, const std::vect
   for (const RunComparison& run : runs) {
     std::string pictures;
     for (const Channel channel : channels)
-      if (run.at(channel) && run.at(channel)->series) pictures += svg(over_time(run, channel), 460, 270);
+      if (run.at(channel) && run.at(channel)->series) pictures += over_time(run, channel);
     if (pictures.empty()) continue;
-    html += page::folded(fmt::format("{} — slip {:.2f}, load {:.1f} N, steering {:.0f}°", run.name,
-                                     run.run.slip, run.load, run.run.steering_angle / degree),
+    html += page::folded(fmt::format("{} — slip {:.2f}, load {:.1f} N, steering {}°", run.name, run.run.slip,
+                                     run.load, degrees(run.run.steering_angle)),
                          "<div class=\"grid\">" + pictures + "</div>");
   }
   return html;
@@ -147,7 +164,7 @@ std::string runs_table(const std::vector<RunComparison>& runs, const std::vector
   for (const RunComparison& run : runs) {
     std::vector<std::string> cells = {run.name, logs::to_string(run.run.role),
                                       fmt::format("{:.2f}", run.run.slip), fmt::format("{:.1f}", run.load),
-                                      fmt::format("{:.0f}", run.run.steering_angle / degree)};
+                                      degrees(run.run.steering_angle)};
     for (const Channel channel : channels) {
       const auto& compared = run.at(channel);
       cells.push_back(compared ? fmt::format("{} / {}", shown(channel, compared->mean.measured),
@@ -259,10 +276,14 @@ std::string soil_part(const ExperimentComparison& comparison) {
         "%.{}{}",
         fit.tests.size(), 100.0 * fit.between_tests_pressure, 1e3 * fit.reference_depth,
         fit.between_tests_exponent, 100.0 * fit.relative_error_at_width,
-        fit.compliance ? fmt::format(" The rig gives way by {:.1f} ± {:.1f} mm per 1000 N on a rigid floor: "
-                                     "taken off the depth.",
-                                     1e6 * fit.compliance->value, 1e6 * fit.compliance->standard_error)
-                       : "",
+        fit.compliance
+            ? fmt::format(" The rig gives way by {:.1f} mm per 1000 N on a rigid floor{}: "
+                          "taken off the depth.",
+                          1e6 * fit.compliance->value,
+                          fit.compliance->standard_error > 0.0
+                              ? fmt::format(" (± {:.1f} between tests)", 1e6 * fit.compliance->standard_error)
+                              : "")
+            : "",
         fit.k_c.value < 0.0
             ? " The negative k_c says that wider plates meet more pressure at the same depth: the law holds "
               "between the plates' sizes only."
@@ -333,7 +354,9 @@ std::string comparison_page(const ExperimentComparison& comparison) {
   html += soil_part(comparison);
   const std::string courses = time_courses(runs, channels);
   if (!courses.empty())
-    html += "<h2>Over time</h2>" + page::note("Open a run to see its channels.") + courses;
+    html += "<h2>Over time</h2>" +
+            page::note("Open a run to see its channels, from the time when the wheel touches the soil.") +
+            courses;
   html += "<h2>Runs</h2>" + page::folded("All runs in numbers", runs_table(runs, channels));
   return page::document(comparison.experiment.name + " · twin and measurement", html);
 }

@@ -20,9 +20,9 @@ th, td { padding: 5px 12px; text-align: right; border-bottom: 1px solid var(--li
 th { color: var(--soft); font-weight: 600; max-width: 16ch; vertical-align: bottom; }
 th:first-child, td:first-child { text-align: left; }
 tbody tr:hover { background: var(--ground); }
-.pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 8px; }
-.grid { display: grid; grid-template-columns: repeat(auto-fit, minmax(360px, 1fr)); gap: 8px; }
-svg { width: 100%; height: auto; }
+.pair { display: grid; grid-template-columns: repeat(auto-fill, minmax(420px, 1fr)); gap: 8px; }
+.grid { display: grid; grid-template-columns: repeat(auto-fill, minmax(340px, 1fr)); gap: 8px; }
+svg { display: block; width: 100%; max-width: 640px; height: auto; }
 details { border: 1px solid var(--line); border-radius: 6px; margin: 6px 0; padding: 6px 12px; }
 summary { cursor: pointer; font-variant-numeric: tabular-nums; }
 )";

@@ -67,6 +67,22 @@ Interval moving_part(const run_log::JointSeries& joints, double radius) {
   return interval;
 }
 
+// When the wheel was last above the soil: before, it hung, and the twin, which stands on the soil, says
+// nothing about it.
+double touch_time(const run_log::ScalarSeries& draw_wire) {
+  constexpr double hanging = -0.5e-3;  // m; more than the encoder's noise about first touch
+  double touch = -1e300;
+  for (std::size_t i = 0; i < draw_wire.time.size(); ++i)
+    if (draw_wire.value[i] < hanging) touch = draw_wire.time[i];
+  return touch;
+}
+
+void drop_before(double time, SeriesComparison& series) {
+  const auto count = std::lower_bound(series.time.begin(), series.time.end(), time) - series.time.begin();
+  for (auto* values : {&series.time, &series.measured, &series.twin})
+    values->erase(values->begin(), values->begin() + count);
+}
+
 std::vector<double> window_times(const Interval& window) {
   constexpr double spacing = 0.05;
   std::vector<double> times;
@@ -184,7 +200,9 @@ void compare_log(const TwinModel& model, const run_log::RunLog& log, const Compa
   replay.step = options.step;
   const rig::Prediction prediction =
       rig::predict(model.rig, conditions, model.wheel.radius, contact, model.ports, motion, times, replay);
-  const Interval in_motion = moving_part(log.joints, model.wheel.radius);
+  const double touch = touch_time(log.draw_wire);
+  Interval in_motion = moving_part(log.joints, model.wheel.radius);
+  in_motion.start = std::max(in_motion.start, touch);
   for (const Channel channel : all_channels) {
     if (channel == Channel::normal_load && comparison.measured_load) continue;
     const Series twin = twin_series(channel, prediction, times);
@@ -209,8 +227,10 @@ void compare_log(const TwinModel& model, const run_log::RunLog& log, const Compa
       result.mean = {mean_over(measured, in_motion), mean_over(twin_there, in_motion)};
       result.error = std::sqrt(sum / count);
     }
-    if (result.series)
+    if (result.series) {
+      drop_before(touch, *result.series);
       for (double& time : result.series->time) time -= start;
+    }
     comparison.channels[index_of(channel)] = std::move(result);
   }
 }
