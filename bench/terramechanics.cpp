@@ -39,7 +39,7 @@ void equilibrium(benchmark::State& state) {
   const Operation operation{static_cast<double>(state.range(1)) / 100.0,
                             static_cast<double>(state.range(2)) * M_PI / 180.0};
   double load = 42.1;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     load = load > 60.0 ? 42.1 : load + 0.01;
     benchmark::DoNotOptimize(model.at_load(load, operation));
   }
@@ -59,7 +59,7 @@ BENCHMARK(equilibrium)
 void hub_displacement(benchmark::State& state) {
   const WheelOnSoil model(amalia(state.range(0) != 0), paper_soil(1.0));
   double deflection = -1.0, time = 0.0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     time += 0.001;
     const double h = 0.012 + 1e-3 * std::sin(10.0 * time);
     const auto loads = model.at_hub_displacement(h, {0.3, 0.0}, {}, deflection);
@@ -71,7 +71,7 @@ BENCHMARK(hub_displacement)->ArgName("rigid")->Arg(1)->Arg(0)->Unit(benchmark::k
 
 /// 66 s at 1 kHz through the rig's interface.
 void run_of_66_s(benchmark::State& state) {
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     rig::SemiEmpiricalContact contact(amalia(false), paper_soil(1.0));
     rig::HubMotion motion;
     motion.wheel_rate = 0.286;

@@ -117,8 +117,8 @@ class FirstCrossing {
   void search_below() {
     const double x = low_.x;
     Point previous{};
-    for (double share = 1e-8; share < 1.0; share *= 1.5) {
-      const Point p = at(share * x);
+    for (int i = -45; i < 0; ++i) {
+      const Point p = at(x * std::pow(1.5, i));
       if (p.f >= target_) {
         low_ = previous, high_ = p;
         return;

@@ -95,7 +95,7 @@ struct PaperIntegrals {
     const double front = std::max(theta_d, theta_m);
     // Shear builds up within a hair of the entry when the wheel is nearly locked: grade towards it.
     std::vector<double> cuts = {theta_1};
-    for (double u = 1e-7; u < 0.5; u *= 10.0) cuts.push_back(theta_1 - u * (theta_1 - front));
+    for (int i = -7; i < 0; ++i) cuts.push_back(theta_1 - std::pow(10.0, i) * (theta_1 - front));
     cuts.push_back(front);
     if (theta_m > theta_d) cuts.push_back(theta_d);
     // Where the shear reverses tau has a kink.
