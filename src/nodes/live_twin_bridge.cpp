@@ -9,6 +9,7 @@
 #include <std_msgs/String.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -23,9 +24,10 @@
 namespace wheel_twin::nodes {
 namespace {
 
-constexpr int queue = 4000;           // messages of a topic that may wait
-constexpr double watch_window = 5.0;  // s over which residuals are judged
-constexpr double silence = 2.0;       // wall s after which a topic counts as missing
+constexpr int queue = 4000;              // messages of a topic that may wait
+constexpr double watch_window = 5.0;     // s over which residuals are judged
+constexpr double rolling_speed = 0.002;  // m/s; slower, slip is mostly noise and its residual is not judged
+constexpr double silence = 2.0;          // wall s after which a topic counts as missing
 
 struct Settings {
   RigSetup setup;
@@ -164,6 +166,9 @@ class LiveTwinBridge::Impl {
   void publish(const Tick& tick) {
     const ros::Time stamp = to_stamp(tick.stamp);
     const auto& twin = tick.twin.readings;
+    const bool rolls =
+        std::max(std::abs(tick.motion.carriage_velocity),
+                 std::abs(tick.motion.wheel_rate) * settings_.setup.wheel.radius) > rolling_speed;
     twin_wrench_.publish(to_message(stamp, "ft_sensor", twin.wrench.force, twin.wrench.torque));
     twin_displacement_.publish(to_message(stamp, "rig", twin.displacement));
     twin_joints_.publish(to_message(stamp, twin.joints));
@@ -172,7 +177,7 @@ class LiveTwinBridge::Impl {
       const Eigen::Vector3d force = tick.wrench->force - twin.wrench.force;
       residual_wrench_.publish(
           to_message(stamp, "ft_sensor", force, tick.wrench->torque - twin.wrench.torque));
-      pull_.add(force.x());
+      if (rolls) pull_.add(force.x());
     }
     if (tick.displacement) {
       residual_displacement_.publish(to_message(stamp, "rig", *tick.displacement - twin.displacement));
@@ -182,7 +187,7 @@ class LiveTwinBridge::Impl {
       rig::JointReading residual;
       residual.wheel_effort = *tick.effort - twin.joints.wheel_effort;
       residual_joints_.publish(to_message(stamp, residual));
-      effort_.add(residual.wheel_effort);
+      if (rolls) effort_.add(residual.wheel_effort);
     }
     if (view_) show(tick);
   }
@@ -190,7 +195,7 @@ class LiveTwinBridge::Impl {
   void show(const Tick& tick) {
     Gauges gauges;
     gauges.title = settings_.setup.title;
-    gauges.phase = "measured and twin";
+    gauges.phase = "measured, twin (residual)";
     gauges.time = tick.motion.time;
     gauges.slip = tick.twin.state.slip;
     gauges.has_twin = true;

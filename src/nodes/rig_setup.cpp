@@ -3,35 +3,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
-#include "base/config_path.h"
-#include "base/error.h"
-#include "rig/semi_empirical_contact.h"
+#include "twin/virtual_rig.h"
 
 namespace wheel_twin::nodes {
-namespace {
-
-yaml::Map config(const std::string& kind, const std::string& name) {
-  return yaml::parse_file(find_config(kind, name));
-}
-
-}  // namespace
-
 RigSetup read_rig_setup(Params& params) {
+  twin::VirtualRigNames names;
+  names.wheel = params.text("wheel", names.wheel);
+  names.soil = params.text("soil", names.soil);
+  names.rig = params.text("rig", names.rig);
+  names.ft = params.text("ft_sensor", names.ft);
+  names.draw_wire = params.text("draw_wire", names.draw_wire);
+  names.joints = params.text("joints", names.joints);
+  names.thermometer = params.text("thermometer", names.thermometer);
+  twin::VirtualRig loaded = twin::load_virtual_rig(names);
   RigSetup setup;
-  setup.wheel = terramechanics::read_wheel(config("wheels", params.text("wheel", "amalia")));
-  setup.soil = terramechanics::read_soil(config("soils", params.text("soil", "mars_simulant")));
+  setup.wheel = std::move(loaded.wheel);
+  setup.soil = std::move(loaded.soil);
+  setup.run = std::move(loaded.run);
   setup.fidelity = params.choice("fidelity", "semi_empirical", {"dem", "semi_empirical"});
 
   rig::RunSettings& run = setup.run;
-  run.radius = setup.wheel.radius;
-  run.rig = rig::read_rig(config("rigs", params.text("rig", "polito")));
-  run.sensors.ft = rig::read_ft(config("sensors", params.text("ft_sensor", "ati_mini45_si_145_5")));
-  run.sensors.draw_wire =
-      rig::read_draw_wire(config("sensors", params.text("draw_wire", "micro_epsilon_draw_wire")));
-  run.sensors.joints = rig::read_joints(config("sensors", params.text("joints", "motor_joints")));
-  run.sensors.temperature =
-      rig::read_temperature(config("sensors", params.text("thermometer", "thermometer")));
   if (const auto rate = params.optional_number("publish_rate", {1.0, 1000.0})) {
     run.sensors.ft.rate = *rate;
     run.sensors.draw_wire.rate = *rate;
@@ -55,9 +48,7 @@ RigSetup read_rig_setup(Params& params) {
 }
 
 std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup) {
-  if (setup.fidelity == "semi_empirical")
-    return std::make_unique<rig::SemiEmpiricalContact>(setup.wheel, setup.soil);
-  throw Error(fmt::format("fidelity: '{}' is not available live", setup.fidelity));
+  return twin::make_contact(setup.fidelity, setup.wheel, setup.soil, {});
 }
 
 }  // namespace wheel_twin::nodes

@@ -133,11 +133,10 @@ Marker arrow(int id, const Eigen::Vector3d& from, const Eigen::Vector3d& to, con
   return m;
 }
 
-/// "drawbar pull 12.1 N", or with the twin's value and the residual.
+/// "drawbar pull 12.1 N", or measured, twin and (residual).
 std::string line(const char* name, double measured, double twin, bool has_twin, const char* unit) {
   if (!has_twin) return fmt::format("{} {:.1f} {}", name, measured, unit);
-  return fmt::format("{} {:.1f} {}, twin {:.1f}, residual {:+.1f}", name, measured, unit, twin,
-                     measured - twin);
+  return fmt::format("{} {:.1f}, {:.1f} {} ({:+.1f})", name, measured, twin, unit, measured - twin);
 }
 
 }  // namespace
@@ -204,11 +203,11 @@ MarkerArray labels(const Gauges& g) {
   all.push_back(text(11, fmt::format("normal load {:.1f} N", f.z()),
                      point(contact.x() - 0.22, -0.07, 0.5 * (contact.z() + top.z())), 0.030, load));
   if (g.has_twin) {
-    const Eigen::Vector3d beside(root.x(), -0.07, root.z() - 0.035);
+    const Eigen::Vector3d beside(root.x(), -0.07, root.z() - 0.05);
     const Eigen::Vector3d end = beside + newtons_to_metres * Eigen::Vector3d(g.twin.force.x(), 0.0, 0.0);
     all.push_back(arrow(2, beside, end, ghost, 0.008));
     all.push_back(text(13, fmt::format("twin {:.1f} N", g.twin.force.x()),
-                       point(std::max(end.x(), beside.x()) + 0.10, -0.07, beside.z()), 0.026, ghost));
+                       point(std::max(tip.x(), root.x()) + 0.13, -0.07, root.z() - 0.055), 0.028, ghost));
   }
   std::string numbers =
       fmt::format("{}\n{}\nt = {:.1f} s, slip {:.2f}\n\n", g.title, g.phase, g.time, g.slip);
@@ -219,7 +218,7 @@ MarkerArray labels(const Gauges& g) {
                   g.has_twin, "mm") +
              "\n";
   numbers += line("motor torque", g.measured.motor_effort, g.twin.motor_effort, g.has_twin, "N m");
-  all.push_back(text(12, numbers, point(-0.20, -0.40, 0.41), 0.028, ink));
+  all.push_back(text(12, numbers, point(-0.20, -0.40, 0.41), g.has_twin ? 0.025 : 0.028, ink));
 
   const double x = g.hub.x();
   const double sensor = g.hub.z() + 0.167;

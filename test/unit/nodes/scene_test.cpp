@@ -70,8 +70,7 @@ TEST(Scene, LabelsSayNumbersWithUnitsAndTheResidual) {
   gauges.has_twin = true;
   gauges.twin = gauges.measured;
   gauges.twin.force.x() = 13.54;
-  EXPECT_THAT(find(labels(gauges), "text", 12)->text,
-              HasSubstr("drawbar pull 12.0 N, twin 13.5, residual -1.5"));
+  EXPECT_THAT(find(labels(gauges), "text", 12)->text, HasSubstr("drawbar pull 12.0, 13.5 N (-1.5)"));
 }
 
 TEST(Scene, TraceLeavesOutWhatDoesNotMove) {
