@@ -24,7 +24,6 @@ struct Options {
   std::size_t spheres = 20000;
   int threads = 1;
   int steps = 2000;
-  bool sleep = false;
   std::string state, lammps, json;
 };
 
@@ -68,11 +67,6 @@ void run(const Options& options) {
     if (!options.state.empty()) dem::write_checkpoint(options.state, system);
   }
   if (!options.lammps.empty()) write_file(options.lammps, dem::lammps_data(system));
-  if (options.sleep) {
-    dem::SleepSettings sleep;
-    sleep.enabled = true;
-    system.set_sleep(sleep);
-  }
   if (options.steps == 0) return;
   system.step(std::max(100, options.steps / 10));
   const dem::Statistics before = system.statistics();
@@ -100,7 +94,6 @@ void run(const Options& options) {
       {"lists", share(before.seconds_lists, after.seconds_lists)}};
   result["contacts_per_sphere"] = static_cast<double>(after.contacts) / spheres;
   result["candidates_per_sphere"] = static_cast<double>(after.candidates) / spheres;
-  result["asleep"] = after.asleep;
   result["list_refreshes"] = after.list_refreshes - before.list_refreshes;
   result["list_builds"] = after.list_builds - before.list_builds;
   result["bytes_per_sphere"] = static_cast<double>(after.memory_bytes) / spheres;
@@ -113,15 +106,14 @@ void run(const Options& options) {
       "  {:.2f} million sphere updates per second ({:.1f} ns per sphere and step over {} steps)\n"
       "  contacts {:.1f} ns (walls {:.1f} of these), motion {:.1f} ns, lists {:.1f} ns ({} refreshes, {} "
       "builds)\n"
-      "  {:.2f} touching pairs and {:.2f} candidates per sphere, {:.0f} bytes per sphere, {} particles "
-      "asleep\n"
+      "  {:.2f} touching pairs and {:.2f} candidates per sphere, {:.0f} bytes per sphere\n"
       "  {:.1f} GB/s moved at least, {:.1f} GB/s is what one core moves in a streaming loop\n",
       options.bed, system.sphere_count(), system.size(), options.threads, dem::instruction_set(),
       1e-6 * updates, 1e9 * seconds / (spheres * options.steps), options.steps,
       parts["contacts"].get<double>(), parts["walls"].get<double>(), parts["motion"].get<double>(),
       parts["lists"].get<double>(), result["list_refreshes"].get<int>(), result["list_builds"].get<int>(),
       result["contacts_per_sphere"].get<double>(), result["candidates_per_sphere"].get<double>(),
-      result["bytes_per_sphere"].get<double>(), after.asleep, 1e-9 * result["bytes_per_second"].get<double>(),
+      result["bytes_per_sphere"].get<double>(), 1e-9 * result["bytes_per_second"].get<double>(),
       1e-9 * bandwidth);
 }
 
@@ -138,7 +130,6 @@ void add_bench(CLI::App& app) {
   command->add_option("--spheres", options->spheres, "size of the bed")->capture_default_str();
   command->add_option("--threads", options->threads, "threads")->capture_default_str();
   command->add_option("--steps", options->steps, "steps to time; 0: settle only")->capture_default_str();
-  command->add_flag("--sleep", options->sleep, "let particles at rest sleep");
   command->add_option("--state", options->state, "settled bed: read when it is there, else written");
   command->add_option("--lammps", options->lammps, "write the bed as a LAMMPS data file");
   command->add_option("--json", options->json, "write the numbers to this file");

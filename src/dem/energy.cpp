@@ -90,7 +90,8 @@ void System::Impl::record_losses() {
       const double stored =
           shear_energy(contacts.stiffness[k], laws.shear_ratio[contacts.law[k]], contacts.overlap[k],
                        contacts.shear[0][k], contacts.shear[1][k], contacts.shear[2][k]);
-      const std::uint64_t key = number_of(touch.sphere) << 32U | 0x80000000U | touch.part;
+      const std::uint64_t key = number_of(touch.sphere) << 32U | 0x80000000U | (touch.part & 0x7ffU) << 20U |
+                                (touch.facet & 0xfffffU);
       losses.record(key, walls.trace(t).data() + k, stride, stored, time_step, step);
     }
   }

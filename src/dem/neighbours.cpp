@@ -263,6 +263,8 @@ void find_pairs(const Bodies& bodies, const Spheres& spheres, const Period& peri
     list.i[part].push_back(a);
     list.j[part].push_back(b);
   });
+  for (auto& part : list.i) part.shrink_to_fit();
+  for (auto& part : list.j) part.shrink_to_fit();
 }
 
 std::vector<std::uint32_t> spatial_order(const Bodies& bodies, const Period& period, double cell) {

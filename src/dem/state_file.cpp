@@ -165,7 +165,6 @@ void store(const State& state, Archive& archive) {
   put_vectors(archive, "velocity", state.velocity);
   put_vectors(archive, "angular_momentum", state.angular_momentum);
   put_vectors(archive, "orientation", state.orientation);
-  archive.set("quiet_steps", state.quiet_steps);
   put_vectors(archive, "load", state.load);
   put_contacts(archive, "contact", state.contacts);
   put_contacts(archive, "wall_contact", state.wall_contacts);
@@ -186,7 +185,6 @@ State load_state(const Archive& archive) {
   state.velocity = get_vectors<Eigen::Vector3d>(archive, "velocity");
   state.angular_momentum = get_vectors<Eigen::Vector3d>(archive, "angular_momentum");
   state.orientation = get_vectors<Eigen::Vector4d>(archive, "orientation");
-  state.quiet_steps = archive.get<std::uint32_t>("quiet_steps");
   state.load = get_vectors<Eigen::Matrix<double, 7, 1>>(archive, "load");
   state.contacts = get_contacts(archive, "contact");
   state.wall_contacts = get_contacts(archive, "wall_contact");

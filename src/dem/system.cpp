@@ -122,9 +122,6 @@ void System::set_threads(int threads) {
   s.renumber();
   s.walls.put_touches(std::move(touches), s.spheres, s.bounds);
 }
-void System::set_sleep(const SleepSettings& sleep) {
-  impl_->settings.sleep = sleep;
-}
 
 void System::stop_all() {
   Impl& s = *impl_;

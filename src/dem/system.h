@@ -22,14 +22,6 @@
 
 namespace wheel_twin::dem {
 
-struct SleepSettings {
-  bool enabled = false;
-  double speed = 2e-5;     ///< a particle slower than this (m/s, surface speed) for `patience` may sleep
-  double patience = 0.01;  ///< s
-  double force_tolerance =
-      0.02;  ///< wakes when the force on it changes by this fraction of its contact forces
-};
-
 struct WorldSettings {
   Eigen::Vector3d low{0.0, 0.0, 0.0};  ///< domain, m. A particle outside a non-periodic side is an error
   Eigen::Vector3d high{1.0, 1.0, 1.0};
@@ -42,7 +34,6 @@ struct WorldSettings {
       1.0;  ///< smallest size factor to come, for the Rayleigh time; add() refuses smaller ones
   std::uint32_t particle_materials = 1;  ///< materials 0 to this minus 1 may be those of particles
   int threads = 1;
-  SleepSettings sleep;
   bool track_energy = false;            ///< keeps the energy book; slower
   double largest_start_overlap = 0.05;  ///< of the smaller radius; a deeper overlap in add() is an error
 };
@@ -96,7 +87,6 @@ struct State {
   std::vector<float> size, stiffness;
   std::vector<Eigen::Vector3d> position, velocity, angular_momentum;  ///< velocity, momentum at half steps
   std::vector<Eigen::Vector4d> orientation;                           ///< w, x, y, z
-  std::vector<std::uint32_t> quiet_steps;  ///< steps a particle has been at rest; high bit: asleep
   std::vector<Eigen::Matrix<double, 7, 1>>
       load;  ///< contact force, torque, sum of normal forces at the last step
   std::vector<ContactHistory> contacts, wall_contacts;
@@ -123,7 +113,6 @@ struct Statistics {
   std::int64_t list_refreshes = 0;  ///< of the inner list
   std::size_t candidates = 0;       ///< pairs in the inner list now
   std::size_t contacts = 0;         ///< touching pairs of spheres at the last step
-  std::size_t asleep = 0;           ///< particles asleep now
   std::size_t memory_bytes = 0;     ///< held for particles, lists and histories
   double seconds_contacts = 0.0, seconds_walls = 0.0, seconds_motion = 0.0, seconds_lists = 0.0;
   double bytes_per_step = 0.0;  ///< least traffic of a step: every array touched, counted once
@@ -174,7 +163,6 @@ class System {
   void set_pair(std::uint32_t material_a, std::uint32_t material_b, const PairProperties& properties);
   void set_gravity(const Eigen::Vector3d& gravity);
   void set_threads(int threads);
-  void set_sleep(const SleepSettings& sleep);
   void stop_all();  ///< sets every velocity to zero
 
   std::size_t size() const;  ///< particles

@@ -337,6 +337,7 @@ void System::Impl::erase(const std::vector<bool>& which) {
   }
   bodies.count = order.size();
   permute(bodies, spheres, shapes, order);
+  lists.clear();
   for (std::size_t b = 0; b < bodies.count; ++b) bodies.rank[b] = new_rank[bodies.rank[b]];
   resize(order.size(), next_sphere);
   pending.clear();

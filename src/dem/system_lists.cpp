@@ -89,12 +89,14 @@ void System::Impl::build_inner(std::size_t part) {
   const auto& outer_i = outer.i[part];
   const auto& outer_j = outer.j[part];
   constexpr std::uint32_t kNew = 0xffffffffU;
-  PairList next;
   const std::size_t guess = list.size + list.size / 16 + 64;
-  next.i.reserve(guess);
-  next.j.reserve(guess);
-  next.source.reserve(guess);
+  Column<std::uint32_t> next_i;
+  Column<std::uint32_t> next_j;
+  Column<std::uint32_t> source;
   std::vector<std::uint32_t> from;
+  next_i.reserve(guess);
+  next_j.reserve(guess);
+  source.reserve(guess);
   from.reserve(guess);
   std::size_t old = 0;
   for (std::uint32_t k = 0; k < outer_i.size(); ++k) {
@@ -109,42 +111,45 @@ void System::Impl::build_inner(std::size_t part) {
                          bodies.slack[spheres.body[outer_j[k]]];
     if (dx * dx + dy * dy + dz * dz >= reach * reach) continue;
     while (old < list.size && list.source[old] < k) ++old;
-    next.i.push_back(outer_i[k]);
-    next.j.push_back(outer_j[k]);
-    next.source.push_back(k);
+    next_i.push_back(outer_i[k]);
+    next_j.push_back(outer_j[k]);
+    source.push_back(k);
     from.push_back(old < list.size && list.source[old] == k ? static_cast<std::uint32_t>(old) : kNew);
   }
-  while (next.i.size() % kBatch != 0) {
-    next.i.push_back(static_cast<std::uint32_t>(spheres.count));
-    next.j.push_back(static_cast<std::uint32_t>(spheres.count + 1));
-    next.source.push_back(kNew);
+  while (next_i.size() % kBatch != 0) {
+    next_i.push_back(static_cast<std::uint32_t>(spheres.count));
+    next_j.push_back(static_cast<std::uint32_t>(spheres.count + 1));
+    source.push_back(kNew);
     from.push_back(kNew);
   }
-  next.size = next.i.size();
+  list.size = next_i.size();
+  list.i = std::move(next_i);
+  list.j = std::move(next_j);
+  list.source = std::move(source);
+  // One column after the other, so that only one is held twice.
   for (int c = 0; c < PairList::kColumns; ++c) {
     if (c >= PairList::kRolling && !law.rolling) continue;
-    Column<float>& to = next.columns[c];
-    const Column<float>& source = list.columns[c];
     const bool renew = c <= PairList::kDamping && coefficients_stale;
-    to.resize(next.size);
-    for (std::size_t n = 0; n < next.size; ++n) {
-      to[n] = from[n] == kNew || renew || source.size() <= from[n] ? 0.0F : source[from[n]];
+    Column<float> column(list.size);
+    for (std::size_t n = 0; n < list.size; ++n) {
+      column[n] =
+          from[n] == kNew || renew || list.columns[c].size() <= from[n] ? 0.0F : list.columns[c][from[n]];
     }
+    list.columns[c] = std::move(column);
   }
-  if (many_laws) next.law.resize(next.size);
-  for (std::size_t n = 0; n < next.size; ++n) {
-    if (next.source[n] == kNew) continue;
-    const std::uint32_t a = spheres.body[next.i[n]];
-    const std::uint32_t b = spheres.body[next.j[n]];
-    if (many_laws) next.law[n] = static_cast<std::uint8_t>(law_index(bodies.material[a], bodies.material[b]));
-    if (next.columns[PairList::kStiffness][n] != 0.0F) continue;
-    next.columns[PairList::kStiffness][n] = coefficients->normal_stiffness(
-        bodies.material[a], bodies.stiffness[a], spheres.row[next.i[n]].radius, bodies.material[b],
-        bodies.stiffness[b], spheres.row[next.j[n]].radius);
-    next.columns[PairList::kDamping][n] = coefficients->damping(bodies.material[a], bodies.inverse_mass[a],
+  list.law.resize(many_laws ? list.size : 0);
+  for (std::size_t n = 0; n < list.size; ++n) {
+    if (list.source[n] == kNew) continue;
+    const std::uint32_t a = spheres.body[list.i[n]];
+    const std::uint32_t b = spheres.body[list.j[n]];
+    if (many_laws) list.law[n] = static_cast<std::uint8_t>(law_index(bodies.material[a], bodies.material[b]));
+    if (list.columns[PairList::kStiffness][n] != 0.0F) continue;
+    list.columns[PairList::kStiffness][n] = coefficients->normal_stiffness(
+        bodies.material[a], bodies.stiffness[a], spheres.row[list.i[n]].radius, bodies.material[b],
+        bodies.stiffness[b], spheres.row[list.j[n]].radius);
+    list.columns[PairList::kDamping][n] = coefficients->damping(bodies.material[a], bodies.inverse_mass[a],
                                                                 bodies.material[b], bodies.inverse_mass[b]);
   }
-  list = std::move(next);
 }
 
 void System::Impl::tune() {

@@ -32,7 +32,6 @@ State System::state() const {
         load.pressure;
     state.load.push_back(sum);
   }
-  state.quiet_steps.assign(s.bodies.count, 0);
   state.contacts = s.stale ? s.pending : s.collect_histories();
   for (std::size_t t = 0; t < s.walls.threads(); ++t) {
     for (const auto& touch : s.walls.touches(t)) {
