@@ -59,8 +59,8 @@ struct Times {
 
 class Reader {
  public:
-  Recording read(const std::string& path) {
-    const ScanSummary summary = scan_bag(path, [this](const BagMessage& message) { visit(message); });
+  Recording read(ByteSource& source, const std::string& name) {
+    const ScanSummary summary = scan_bag(source, name, [this](const BagMessage& message) { visit(message); });
     finish(summary);
     return std::move(recording_);
   }
@@ -244,8 +244,13 @@ void clean(run_log::ScalarSeries& series) {
 
 }  // namespace
 
+Recording read_recording(ByteSource& source, const std::string& name) {
+  return Reader().read(source, name);
+}
+
 Recording read_recording(const std::string& path) {
-  return Reader().read(path);
+  FileSource source(path);
+  return read_recording(source, path);
 }
 
 run_log::RunLog cleaned(run_log::RunLog log) {

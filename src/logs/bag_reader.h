@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "logs/byte_source.h"
 #include "run_log/run_log.h"
 
 namespace wheel_twin::logs {
@@ -40,6 +41,7 @@ struct Recording {
 
 /// Throws Error naming the file only when nothing of it can be read as a bag of format 2.0.
 Recording read_recording(const std::string& path);
+Recording read_recording(ByteSource& source, const std::string& name);  ///< `name` is the file in errors
 
 /// Fit for computing: each series sorted by stamp, stamps strictly increasing, samples that are not finite
 /// dropped. A column of `joints` that the bag lacks throughout is empty. Throws Error as read_recording, and

@@ -265,10 +265,13 @@ std::string Experiment::path_of(const std::string& file) const {
 
 Experiment read_experiment(const std::string& path, Stage stage) {
   const std::string file = fs::is_directory(path) ? (fs::path(path) / "experiment.yaml").string() : path;
-  const yaml::Map map = yaml::parse_file(file);
+  const std::string directory = fs::path(file).parent_path().string();
+  return read_experiment(yaml::parse_file(file), directory.empty() ? "." : directory, stage);
+}
+
+Experiment read_experiment(const yaml::Map& map, const std::string& directory, Stage stage) {
   Experiment experiment;
-  experiment.directory = fs::path(file).parent_path().string();
-  if (experiment.directory.empty()) experiment.directory = ".";
+  experiment.directory = directory;
   map.integer("schema", 1, 1);
   experiment.name = map.text("name");
   if (map.is_map("wheel")) {

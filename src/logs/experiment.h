@@ -101,6 +101,8 @@ enum class Stage { measured, planned };
 /// and key; refuses unknown keys, runs with neither bag nor averages, files outside the directory, and files
 /// named twice.
 Experiment read_experiment(const std::string& path, Stage stage = Stage::measured);
+/// The same of YAML in memory; `directory` holds the files that it names.
+Experiment read_experiment(const yaml::Map& map, const std::string& directory, Stage stage = Stage::measured);
 
 /// Writes `experiment.yaml` into `directory` (made when missing), in the form read_experiment reads, whole or
 /// not at all.
