@@ -21,7 +21,7 @@ std::int64_t days_of(std::int64_t year, int month, int day) {
 double sunday(std::int64_t year, int month, int n) {
   const std::int64_t first = days_of(year, month, 1);
   const std::int64_t weekday = (first + 4) % 7;  // 1970-01-01 was a Thursday; 0 is Sunday
-  return 86400.0 * static_cast<double>(first + (7 - weekday) % 7 + 7 * (n - 1));
+  return 86400.0 * static_cast<double>(first + (7 - weekday) % 7 + std::int64_t{7} * (n - 1));
 }
 
 struct Line {
