@@ -16,6 +16,7 @@ const std::vector<EffectType>& catalogue() {
       ft_crosstalk(),
       draw_wire_offset(),
       draw_wire_scale(),
+      draw_wire_jump(),
       clock_skew(),
       carriage_speed_error(),
       dead_weight_error(),

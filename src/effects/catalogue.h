@@ -17,6 +17,7 @@ EffectType ft_gain();
 EffectType ft_crosstalk();
 EffectType draw_wire_offset();
 EffectType draw_wire_scale();
+EffectType draw_wire_jump();
 EffectType clock_skew();
 EffectType carriage_speed_error();
 EffectType dead_weight_error();

@@ -141,7 +141,7 @@ HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
     rolling = model_.at_hub_displacement(h, operation, change, guess);
     const double half_contact =
         0.5 * model_.wheel().radius * (std::sin(rolling.entry_angle) - std::sin(rolling.exit_angle));
-    rolled = -std::expm1(-now_.travel / std::max(half_contact, 1e-9));
+    rolled = -std::expm1(-now_.travel / std::max(options_.start_up * half_contact, 1e-9));
     if (rolled > 1.0 - 1e-9) rolled = 1.0;
   }
   if (rolled < 1.0) rest = model_.at_rest_at_hub_displacement(h, change, guess);

@@ -21,6 +21,8 @@ namespace wheel_twin::rig {
 
 struct SemiEmpiricalOptions {
   double damping = 10.0;  ///< force factor 1 + damping times indentation speed, s/m, at least 0
+  /// Half contact lengths of travel over which a wheel that starts leaves its print, at least 0; 0: at once.
+  double start_up = 1.0;
 };
 
 class SemiEmpiricalContact : public Contact {

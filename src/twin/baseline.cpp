@@ -1,0 +1,205 @@
+#include "twin/baseline.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr int steady_bins = 7;  // of a run, for the first fit
+
+/// What a contact law may miss of a channel: the tolerance of the fit to steady states.
+NoiseModel tolerance(const std::vector<const RunGrid*>& runs) {
+  double load = 1.0;
+  for (const RunGrid* run : runs) load = std::max(load, run->declared.load);
+  const NoiseFloor offsets = {0.005 * load, 0.005 * load, 0.005 * load, 1e-4, 0.0005 * load, 0.0003 * load};
+  NoiseModel noise;
+  for (std::size_t c = 0; c < noise.size(); ++c) {
+    noise[c].deviation = offsets[c];
+    noise[c].run_offset = offsets[c];
+    noise[c].rest = offsets[c];
+    noise[c].rest_offset = offsets[c];
+  }
+  return noise;
+}
+
+/// Mean of the residual of a channel while the run moves; NaN where it is not measured.
+double moving_mean(const RunGrid& run, const Residual& residual, int channel) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < run.bins(); ++i)
+    if (run.moving[static_cast<std::size_t>(i)] && std::isfinite(residual.bins(channel, i))) {
+      sum += residual.bins(channel, i);
+      ++count;
+    }
+  return count > 0 ? sum / count : std::nan("");
+}
+
+/// Standard error of such a mean.
+double mean_error(const RunGrid& run, const ChannelNoise& noise) {
+  const double bins = static_cast<double>(std::count(run.moving.begin(), run.moving.end(), true));
+  const double independent = std::max(1.0, bins * (1.0 - noise.keep) / (1.0 + noise.keep));
+  return noise.deviation / std::sqrt(independent);
+}
+
+double typical_slip(const RunGrid& run) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < run.bins(); ++i)
+    if (run.moving[static_cast<std::size_t>(i)]) {
+      sum += run.slip[i];
+      ++count;
+    }
+  return count > 0 ? sum / count : run.declared.slip;
+}
+
+double kernel(double slip, double load, const Correction& c) {
+  const double a = slip / c.slip_length, b = load / c.load_length;
+  return std::exp(-0.5 * (a * a + b * b));
+}
+
+/// Gaussian-process mean of what a channel is left with; sets the run offset of its noise to the deviation
+/// that remains between runs.
+Correction correct(int channel, const std::vector<const RunGrid*>& runs,
+                   const std::vector<Residual>& residuals, ChannelNoise& noise, double floor) {
+  Correction correction;
+  correction.channel = all_channels[static_cast<std::size_t>(channel)];
+  std::vector<double> left, error;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const double mean = moving_mean(*runs[r], residuals[r], channel);
+    if (!std::isfinite(mean)) continue;
+    correction.slip.push_back(typical_slip(*runs[r]));
+    correction.load.push_back(runs[r]->declared.load);
+    left.push_back(mean);
+    error.push_back(mean_error(*runs[r], noise));
+  }
+  const auto n = static_cast<Eigen::Index>(left.size());
+  if (n == 0) return correction;
+  double square = 0.0;
+  for (const double m : left) square += m * m / static_cast<double>(n);
+  const double least = std::max(floor, error.front());
+  const double variance = std::max(square, least * least);
+  Eigen::MatrixXd covariance(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+      covariance(i, j) = variance * kernel(correction.slip[a] - correction.slip[b],
+                                           correction.load[a] - correction.load[b], correction);
+      if (i == j) covariance(i, j) += error[a] * error[a] + 0.01 * variance;
+    }
+  const Eigen::MatrixXd inverse = covariance.inverse();
+  const Eigen::VectorXd alpha = inverse * Eigen::Map<const Eigen::VectorXd>(left.data(), n);
+  for (Eigen::Index i = 0; i < n; ++i) correction.weight.push_back(variance * alpha[i]);
+  // Leave-one-out error of the correction: (K^-1 m)_i / (K^-1)_ii.
+  double loo = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) loo += std::pow(alpha[i] / inverse(i, i), 2) / static_cast<double>(n);
+  const double own = error.front() * error.front();
+  // Reference runs further apart than the kernel's length say nothing between them: half of what was left
+  // remains.
+  noise.run_offset = std::sqrt(std::max(std::min(loo, square) * 0.25 + own, floor * floor));
+  return correction;
+}
+
+/// How gradually a wheel leaves its print, by the first moving seconds of the runs.
+double best_start_up(const TwinConfig& model, const std::vector<const RunGrid*>& runs,
+                     const NoiseModel& noise) {
+  double best = 1.0, least = std::numeric_limits<double>::infinity();
+  for (const double start_up : {0.0, 0.1, 0.25, 0.5, 1.0, 2.0}) {
+    TwinConfig tried = model;
+    tried.start_up = start_up;
+    double sum = 0.0;
+    for (const RunGrid* run : runs) {
+      std::vector<double> whitened;
+      whiten(*run, residual_of(*run, simulate(tried, *run)), noise, whitened);
+      for (const double w : whitened) sum += w * w;
+    }
+    if (sum < least) least = sum, best = start_up;
+  }
+  return best;
+}
+
+}  // namespace
+
+TwinConfig declared_twin(const logs::Experiment& experiment) {
+  TwinConfig model;
+  model.name = experiment.name;
+  model.wheel = experiment.wheel;
+  model.soil = experiment.soil;
+  return model;
+}
+
+std::vector<Unknown> baseline_unknowns(const TwinConfig& m) {
+  std::vector<Unknown> u = {
+      {"ln_stiffness", 0.0, -6.0, 6.0, 0.3, 0.0, 1.5},
+      {"n", m.soil.n, 0.3, 2.0, 0.1, m.soil.n, 0.1},
+      {"c", m.soil.c, 0.0, 2e4, 200.0, m.soil.c, 200.0},
+      {"phi", m.soil.phi, 0.2, 1.1, 0.05, m.soil.phi, 0.12},
+      {"ln_K", 0.0, -3.0, 3.0, 0.2, 0.0, 0.7},
+      {"c1", m.soil.c1, 0.0, 1.0, 0.05, m.soil.c1, 0.15},
+      {"c2", m.soil.c2, -0.8, 0.8, 0.05, m.soil.c2, 0.1},
+      {"gamma", m.soil.gamma, 0.0, 1.0, 0.1, m.soil.gamma, 0.3},
+      {"arm_z", m.rig.mount.arm_z, -1.0, 1.0, 0.02, m.rig.mount.arm_z, 0.3},
+      {"drive_torque_share", m.rig.mount.drive_torque_share, -1.0, 1.0, 0.1, 0.0, 3.0},
+      {"drive_loss", m.rig.drive.coulomb_loss, 0.0, 5.0, 0.02, m.rig.drive.coulomb_loss, 0.1}};
+  if (m.wheel.stiffness) u.push_back({"ln_hub_stiffness", 0.0, -2.0, 2.0, 0.1, 0.0, 0.2});
+  return u;
+}
+
+TwinConfig with_baseline(const TwinConfig& model, const std::vector<double>& x) {
+  TwinConfig m = model;
+  m.soil.k_c *= std::exp(x[0]);
+  m.soil.k_phi *= std::exp(x[0]);
+  m.soil.n = x[1];
+  m.soil.c = x[2];
+  m.soil.phi = x[3];
+  m.soil.K *= std::exp(x[4]);
+  m.soil.c1 = x[5];
+  m.soil.c2 = x[6];
+  m.soil.gamma = x[7];
+  m.rig.mount.arm_z = x[8];
+  m.rig.mount.drive_torque_share = x[9];
+  m.rig.drive.coulomb_loss = x[10];
+  if (m.wheel.stiffness) m.wheel.stiffness = *m.wheel.stiffness * std::exp(x[11]);
+  return m;
+}
+
+Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGrid*>& runs,
+                      const NoiseFloor& floor) {
+  Calibration calibration;
+  calibration.unknowns = baseline_unknowns(declared);
+  const NoiseModel first = tolerance(runs);
+  std::vector<RunGrid> steady;
+  for (const RunGrid* run : runs) steady.push_back(condensed(*run, steady_bins));
+  const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
+    try {
+      const TwinConfig model = with_baseline(declared, x);
+      for (const RunGrid& run : steady) whiten(run, residual_of(run, simulate(model, run)), first, out);
+    } catch (const Error&) {
+      return false;
+    }
+    return true;
+  };
+  calibration.fit = least_squares(calibration.unknowns, function, 60);
+  if (!calibration.fit.usable)
+    throw Error(declared.name + ": no soil near the declared one carries the loads of the runs");
+  calibration.model = with_baseline(declared, calibration.fit.x);
+  calibration.model.start_up = best_start_up(calibration.model, runs, first);
+
+  std::vector<Residual> residuals;
+  for (const RunGrid* run : runs) residuals.push_back(residual_of(*run, simulate(calibration.model, *run)));
+  calibration.noise = estimate_noise(runs, residuals, floor);
+  for (int c = 0; c < channel_rows; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    const Correction correction = correct(c, runs, residuals, calibration.noise[k], 0.5 * floor[k]);
+    if (!correction.weight.empty()) calibration.model.corrections.push_back(correction);
+  }
+  return calibration;
+}
+
+}  // namespace wheel_twin::twin

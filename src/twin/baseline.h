@@ -1,0 +1,37 @@
+// The unknowns of a baseline twin: soil, hub stiffness and mount, with priors about what was declared.
+// Calibrated on reference runs; where there are none, fitted together with an effect.
+#pragma once
+
+#include <vector>
+
+#include "logs/experiment.h"
+#include "twin/fit.h"
+#include "twin/noise.h"
+#include "twin/twin_config.h"
+
+namespace wheel_twin::twin {
+
+/// The declared twin of an experiment.
+TwinConfig declared_twin(const logs::Experiment& experiment);
+
+/// Unknowns about `model`: logarithms of factors on stiffness, shear modulus and hub stiffness, the others
+/// absolute.
+std::vector<Unknown> baseline_unknowns(const TwinConfig& model);
+
+/// `model` with the values of its unknowns replaced.
+TwinConfig with_baseline(const TwinConfig& model, const std::vector<double>& x);
+
+struct Calibration {
+  TwinConfig model;
+  NoiseModel noise;
+  std::vector<Unknown> unknowns;
+  FitResult fit;
+};
+
+/// Fits the baseline to `runs`, then models what is left of each channel as a smooth function of slip and
+/// load (TwinConfig::corrections), then estimates the noise. `floor` as of noise_floor. Throws Error when no
+/// declared soil near the prior carries the loads.
+Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGrid*>& runs,
+                      const NoiseFloor& floor);
+
+}  // namespace wheel_twin::twin

@@ -1,0 +1,267 @@
+#include "twin/candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "effects/catalogue.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr double log_deviation_error =
+    0.25;                             // of one run: few independent stretches, and what the twin misses
+constexpr double prior_widths = 3.0;  // of a parameter's scale
+
+/// Values of several effects one after another.
+struct Layout {
+  std::vector<const effects::EffectType*> types;
+  std::size_t nuisance = 0;
+
+  explicit Layout(const std::vector<std::string>& names, std::size_t nuisance_count)
+      : nuisance(nuisance_count) {
+    for (const std::string& name : names) types.push_back(&effects::find_effect(name));
+  }
+  std::vector<std::vector<double>> split(const std::vector<double>& x) const {
+    std::vector<std::vector<double>> values;
+    std::size_t at = nuisance;
+    for (const auto* type : types) {
+      values.emplace_back();
+      for (const effects::Parameter& p : type->parameters) {
+        double v = x[at++];
+        if (p.periodic)
+          v = p.lower +
+              std::fmod(std::fmod(v - p.lower, p.upper - p.lower) + (p.upper - p.lower), p.upper - p.lower);
+        values.back().push_back(std::clamp(v, p.lower, p.upper));
+      }
+    }
+    return values;
+  }
+};
+
+TwinConfig model_of(const Evidence& evidence, const Layout& layout, const std::vector<double>& x) {
+  TwinConfig model =
+      evidence.nuisance.empty()
+          ? evidence.baseline
+          : with_baseline(evidence.baseline,
+                          {x.begin(), x.begin() + static_cast<std::ptrdiff_t>(layout.nuisance)});
+  const auto values = layout.split(x);
+  for (std::size_t k = 0; k < layout.types.size(); ++k)
+    model.effects.push_back({layout.types[k]->name, values[k]});
+  return model;
+}
+
+/// Where a fit of one effect begins: half a scale to either side of neutral, and shape parameters on a grid.
+std::vector<std::vector<double>> starts_of(const effects::EffectType& type, const Evidence& evidence) {
+  std::vector<std::vector<double>> starts = {{}};
+  bool first_strength = true;
+  for (const effects::Parameter& p : type.parameters) {
+    std::vector<double> choices;
+    if (!std::isnan(p.neutral)) {
+      if (p.neutral >= p.upper) {  // a depth: the shallower, the stronger
+        choices = {p.lower + 0.2 * p.scale, p.lower + p.scale};
+      } else if (type.parameters.size() == 1) {
+        for (const double size : {0.3, 1.0, 3.0})
+          for (const double sign : {1.0, -1.0}) {
+            const double v = p.neutral + sign * size * p.scale;
+            if (v >= p.lower && v <= p.upper) choices.push_back(v);
+          }
+      } else {
+        choices = {std::min(p.upper, p.neutral + (first_strength ? 0.7 : 0.2) * p.scale)};
+      }
+      first_strength = false;
+    } else if (p.periodic) {
+      for (int k = 0; k < 4; ++k) choices.push_back(p.lower + (k + 0.5) / 4.0 * (p.upper - p.lower));
+    } else if (p.unit == "m" && p.name == "position") {
+      double furthest = 0.0;
+      for (const RunGrid* run : evidence.runs)
+        for (const auto& m : run->motion) furthest = std::max(furthest, m.carriage_position);
+      for (int k = 0; k < 14; ++k) choices.push_back(furthest * (k + 0.5) / 14.0);
+    } else if (p.unit == "s" && p.name == "time") {
+      double last = 0.0;
+      for (const RunGrid* run : evidence.runs) last = std::max(last, run->motion.back().time);
+      for (int k = 0; k < 14; ++k) choices.push_back(last * (k + 0.5) / 14.0);
+    } else {
+      choices = {std::clamp(p.scale, p.lower, p.upper)};
+    }
+    std::vector<std::vector<double>> longer;
+    for (const auto& start : starts)
+      for (const double choice : choices) {
+        longer.push_back(start);
+        longer.back().push_back(choice);
+      }
+    starts = std::move(longer);
+  }
+  return starts;
+}
+
+/// Whether a candidate at its start changes the deviation of some channel by a tenth.
+bool changes_fluctuation(const Evidence& evidence, const Layout& layout,
+                         const std::vector<Unknown>& unknowns) {
+  if (!evidence.fluctuation.known || evidence.runs.empty()) return false;
+  std::vector<double> x;
+  for (const Unknown& u : unknowns) x.push_back(u.start);
+  try {
+    const RunGrid& run = *evidence.runs[evidence.runs.size() / 2];
+    const LogDeviation with =
+        predicted_log_deviation(model_of(evidence, layout, x), run, evidence.fluctuation);
+    const LogDeviation without = predicted_log_deviation(evidence.baseline, run, evidence.fluctuation);
+    for (std::size_t c = 0; c < channel_count; ++c)
+      if (std::abs(with[c] - without[c]) > 0.1) return true;
+  } catch (const Error&) {
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, const TwinConfig& model,
+                                  bool with_fluctuation, std::vector<int>* block) {
+  const RunGrid& grid = *evidence.runs[run];
+  std::vector<double> out;
+  int next = 0;
+  if (with_fluctuation && evidence.fluctuation.known) {
+    const Fluctuating simulated = simulate_fluctuating(model, evidence.baseline, grid, evidence.fluctuation);
+    next = whiten(grid, residual_of(grid, simulated.course), evidence.noise, out, block);
+    for (std::size_t c = 0; c < channel_count; ++c) {
+      const double measured = evidence.log_deviation[run][c], predicted = simulated.log_deviation[c];
+      if (!std::isfinite(measured) || !std::isfinite(predicted)) continue;
+      out.push_back(std::clamp((measured - predicted) / log_deviation_error, -12.0, 12.0));
+      if (block != nullptr) block->push_back(next);
+    }
+  } else {
+    next = whiten(grid, residual_of(grid, simulate(model, grid)), evidence.noise, out, block);
+    // Channels fluctuate as on the reference runs.
+    for (std::size_t c = 0; evidence.fluctuation.known && c < channel_count; ++c) {
+      const double measured = evidence.log_deviation[run][c], predicted = evidence.calm[run][c];
+      if (!std::isfinite(measured) || !std::isfinite(predicted)) continue;
+      out.push_back(std::clamp((measured - predicted) / log_deviation_error, -12.0, 12.0));
+      if (block != nullptr) block->push_back(next);
+    }
+  }
+  if (evidence.lag[run]) {
+    out.push_back((*evidence.lag[run] - draw_wire_delay(model)) / evidence.lag_error);
+    if (block != nullptr) block->push_back(next + 1);
+  }
+  return out;
+}
+
+double draw_wire_delay(const TwinConfig& model) {
+  double delay = 0.0;
+  for (const EffectSetting& setting : model.effects) {
+    const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
+    rig::Ports ports;
+    effect->attach(ports);
+    for (const rig::SensorPort* port : ports.sensor) delay += port->draw_wire_delay();
+  }
+  return delay;
+}
+
+std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& model,
+                                const std::vector<std::size_t>& runs, bool with_fluctuation) {
+  std::vector<double> sums;
+  for (const std::size_t run : runs) {
+    double sum = 0.0;
+    for (const double r : run_residuals(evidence, run, model, with_fluctuation)) sum += r * r;
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
+Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>& names,
+                        const std::vector<std::size_t>& runs, const std::vector<std::vector<double>>& known,
+                        int iterations) {
+  const Layout layout(names, evidence.nuisance.size());
+  std::vector<Unknown> unknowns = evidence.nuisance;
+  for (const auto* type : layout.types)
+    for (const effects::Parameter& p : type->parameters) {
+      Unknown u;
+      u.name = p.name;
+      u.lower = p.periodic ? -1e9 : p.lower;
+      u.upper = p.periodic ? 1e9 : p.upper;
+      u.scale = p.scale;
+      if (!std::isnan(p.neutral)) {
+        u.prior = p.neutral;
+        u.prior_deviation = prior_widths * p.scale;
+      }
+      if (type->name == "hard_layer")
+        u.prior_deviation = 1e9;  // its neutral is far from any depth that matters
+      unknowns.push_back(u);
+    }
+  // Only some causes change how much the channels fluctuate; the others are fitted without that question.
+  bool fluctuates = false;
+  const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
+    try {
+      const TwinConfig model = model_of(evidence, layout, x);
+      for (const std::size_t run : runs) {
+        const std::vector<double> r = run_residuals(evidence, run, model, fluctuates);
+        out.insert(out.end(), r.begin(), r.end());
+      }
+    } catch (const Error&) {
+      return false;
+    }
+    return true;
+  };
+  const auto with_start = [&](const std::vector<double>& effect_values) {
+    std::vector<Unknown> started = unknowns;
+    for (std::size_t i = 0; i < effect_values.size(); ++i)
+      started[evidence.nuisance.size() + i].start = effect_values[i];
+    return started;
+  };
+
+  std::vector<double> prefix;
+  for (const auto& values : known) prefix.insert(prefix.end(), values.begin(), values.end());
+  std::vector<std::vector<double>> starts = {prefix};
+  for (std::size_t k = known.size(); k < layout.types.size(); ++k) {
+    std::vector<std::vector<double>> longer;
+    for (const auto& start : starts)
+      for (const auto& more : starts_of(*layout.types[k], evidence)) {
+        longer.push_back(start);
+        longer.back().insert(longer.back().end(), more.begin(), more.end());
+      }
+    starts = std::move(longer);
+  }
+  fluctuates = changes_fluctuation(evidence, layout, with_start(starts.front()));
+  // Look from every start, then go on from the best.
+  FitResult best;
+  if (starts.size() > 1) {
+    std::vector<std::pair<double, std::size_t>> looks;
+    for (std::size_t s = 0; s < starts.size(); ++s) {
+      std::vector<double> x, residuals;
+      for (const Unknown& u : with_start(starts[s])) x.push_back(u.start);
+      if (!function(x, residuals)) continue;
+      double sum = 0.0;
+      for (const double r : residuals) sum += r * r;
+      looks.emplace_back(sum, s);
+    }
+    std::sort(looks.begin(), looks.end());
+    if (looks.size() > 2) looks.resize(2);
+    for (const auto& look : looks) {
+      FitResult fit = least_squares(with_start(starts[look.second]), function, iterations);
+      if (fit.usable && fit.cost < best.cost) best = std::move(fit);
+    }
+  } else {
+    best = least_squares(with_start(starts.front()), function, iterations);
+  }
+
+  Candidate candidate;
+  candidate.effects = names;
+  candidate.usable = best.usable;
+  if (!best.usable) return candidate;
+  candidate.model = model_of(evidence, layout, best.x);
+  candidate.values = layout.split(best.x);
+  std::size_t at = evidence.nuisance.size();
+  for (const auto* type : layout.types) {
+    candidate.errors.emplace_back();
+    for (std::size_t i = 0; i < type->parameters.size(); ++i, ++at)
+      candidate.errors.back().push_back(
+          std::sqrt(best.covariance(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(at))));
+    candidate.parameters += static_cast<int>(type->parameters.size());
+  }
+  candidate.fluctuates = fluctuates;
+  candidate.run_chi_square = chi_squares(evidence, candidate.model, runs, fluctuates);
+  for (const double c : candidate.run_chi_square) candidate.chi_square += c;
+  return candidate;
+}
+
+}  // namespace wheel_twin::twin

@@ -1,0 +1,61 @@
+// Explanations of an experiment: no effect, one effect or several, each fitted through the simulated rig to
+// all channels and runs at once.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "twin/baseline.h"
+#include "twin/fit.h"
+#include "twin/fluctuation.h"
+
+namespace wheel_twin::twin {
+
+/// What a candidate is fitted to and judged by. Pointers are not owned.
+struct Evidence {
+  TwinConfig baseline;            ///< calibrated, without effects
+  std::vector<Unknown> nuisance;  ///< baseline unknowns fitted along (no reference runs); empty: none
+  NoiseModel noise;               ///< of the measured runs
+  FluctuationModel fluctuation;
+  std::vector<const RunGrid*> runs;         ///< measured
+  std::vector<LogDeviation> log_deviation;  ///< of each run
+  std::vector<LogDeviation> calm;           ///< of each run, as the baseline on an uneven bed has it
+  std::vector<std::optional<double>>
+      lag;                  ///< of the draw wire behind the wrench, s, less that of the references
+  double lag_error = 0.05;  ///< s
+};
+
+struct Candidate {
+  std::vector<std::string> effects;  ///< names; empty: nothing acts
+  std::vector<std::vector<double>> values;
+  std::vector<std::vector<double>> errors;  ///< standard errors
+  TwinConfig model;
+  bool usable = false;
+  bool fluctuates = false;  ///< it changes how much channels fluctuate, and is simulated on an uneven bed
+  double chi_square = 0.0;  ///< of all residuals, time courses, fluctuations and lags
+  std::vector<double> run_chi_square;  ///< by run
+  double score = 0.0;                  ///< log evidence: -chi_square / 2 less a price for each parameter
+  int parameters = 0;
+};
+
+/// Residuals of one run under a model, whitened: the time course, then the fluctuation of the channels, then
+/// the lag of the draw wire. With `with_fluctuation` the model runs on an uneven bed (several times the
+/// cost), else its channels are taken to fluctuate as the baseline's. `block` as for whiten.
+std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, const TwinConfig& model,
+                                  bool with_fluctuation, std::vector<int>* block = nullptr);
+
+/// The same as chi-square over a choice of runs.
+std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& model,
+                                const std::vector<std::size_t>& runs, bool with_fluctuation);
+
+/// Delay that the effects of a model put on the draw wire's stamps, s.
+double draw_wire_delay(const TwinConfig& model);
+
+/// Fits `effects` on the chosen runs, starting from several places; `known` gives start values for leading
+/// effects (those of a smaller candidate).
+Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>& effects,
+                        const std::vector<std::size_t>& runs,
+                        const std::vector<std::vector<double>>& known = {}, int iterations = 12);
+
+}  // namespace wheel_twin::twin

@@ -1,0 +1,156 @@
+#include "twin/certify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace wheel_twin::twin {
+namespace {
+
+/// Two-sided tail of a standard normal deviate.
+double tail(double z) {
+  return std::erfc(std::abs(z) / std::sqrt(2.0));
+}
+
+/// Projection of a residual on a course over the bins, generalised for the correlation of neighbouring bins:
+/// value and standard error.
+struct Projection {
+  double value = 0.0;
+  double error = 0.0;
+};
+
+Projection project(const std::vector<double>& residual, const std::vector<double>& course, double deviation,
+                   double keep) {
+  double cc = 0.0, rc = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    cc += course[i] * course[i];
+    rc += residual[i] * course[i];
+  }
+  if (cc <= 0.0) return {};
+  const double inflation = (1.0 + keep) / (1.0 - keep);
+  return {rc / cc, deviation * std::sqrt(inflation / cc)};
+}
+
+void centre(std::vector<double>& course) {
+  double mean = 0.0;
+  for (const double v : course) mean += v / static_cast<double>(course.size());
+  for (double& v : course) v -= mean;
+}
+
+}  // namespace
+
+double certify(const Evidence& evidence, const Candidate& nothing, const Candidate& candidate) {
+  std::vector<std::size_t> halves[2];
+  for (std::size_t r = 0; r < evidence.runs.size(); ++r) halves[r % 2].push_back(r);
+  if (halves[1].empty()) return 1.0;
+  double along = 0.0, square = 0.0;
+  for (int h = 0; h < 2; ++h) {
+    Candidate base = nothing;
+    if (!evidence.nuisance.empty()) base = fit_candidate(evidence, {}, halves[1 - h], {}, 6);
+    const Candidate fitted = fit_candidate(evidence, candidate.effects, halves[1 - h], candidate.values, 6);
+    if (!fitted.usable || !base.usable) return 1.0;
+    for (const std::size_t r : halves[h]) {
+      std::vector<int> block;
+      const std::vector<double> without = run_residuals(evidence, r, base.model, false, &block);
+      const std::vector<double> with = run_residuals(evidence, r, fitted.model, fitted.fluctuates);
+      struct Block {
+        double along = 0.0, square = 0.0;
+      };
+      std::map<int, Block> blocks;
+      for (std::size_t i = 0; i < without.size(); ++i) {
+        const double prediction = without[i] - with[i];
+        blocks[block[i]].along += without[i] * prediction;
+        blocks[block[i]].square += prediction * prediction;
+      }
+      // Each block votes with the share of the prediction that it shows, between -1 and 1, and counts as much
+      // as its prediction stands out of the noise, at most 1: no block, however loud, decides alone.
+      for (const auto& entry : blocks) {
+        const Block& b = entry.second;
+        if (b.square < 1e-6) continue;
+        const double weight = std::min(1.0, std::sqrt(b.square));
+        along += weight * std::clamp(b.along / b.square, -1.0, 1.0);
+        square += weight * weight;
+      }
+    }
+  }
+  if (along <= 0.0 || square <= 0.0) return 1.0;
+  return std::min(1.0, std::exp(-0.5 * along * along / square));
+}
+
+Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool fluctuates) {
+  Omnibus result;
+  int asked = 0;
+  const auto note = [&](const RunGrid& grid, Channel channel, const char* feature, double size,
+                        double error) {
+    if (!std::isfinite(size) || !(error > 0.0)) return;
+    ++asked;
+    result.findings.push_back({grid.name, channel, feature, size, size / error});
+  };
+  for (std::size_t r = 0; r < evidence.runs.size(); ++r) {
+    const RunGrid& grid = *evidence.runs[r];
+    Fluctuating simulated;
+    if (fluctuates && evidence.fluctuation.known) {
+      simulated = simulate_fluctuating(model, evidence.baseline, grid, evidence.fluctuation);
+    } else {
+      simulated.course = simulate(model, grid);
+      if (evidence.fluctuation.known) simulated.log_deviation = evidence.calm[r];
+    }
+    const Residual residual = residual_of(grid, simulated.course);
+    const LogDeviation& predicted = simulated.log_deviation;
+    for (const Channel channel : all_channels) {
+      const auto c = static_cast<Eigen::Index>(index_of(channel));
+      const ChannelNoise& noise = evidence.noise[static_cast<std::size_t>(c)];
+      std::vector<double> values, level, time, turn_cos, turn_sin;
+      for (int i = 0; i < grid.bins(); ++i) {
+        if (!grid.moving[static_cast<std::size_t>(i)] || !std::isfinite(residual.bins(c, i))) continue;
+        values.push_back(residual.bins(c, i));
+        level.push_back(1.0);
+        time.push_back(grid.time(i));
+        turn_cos.push_back(std::cos(grid.motion[static_cast<std::size_t>(i)].wheel_angle));
+        turn_sin.push_back(std::sin(grid.motion[static_cast<std::size_t>(i)].wheel_angle));
+      }
+      if (values.size() < 12) continue;
+      const Projection mean = project(values, level, noise.deviation, noise.keep);
+      note(grid, channel, "level", mean.value, std::hypot(mean.error, noise.run_offset));
+      for (auto* course : {&time, &turn_cos, &turn_sin}) centre(*course);
+      const double span = time.back() - time.front();
+      const Projection trend = project(values, time, noise.deviation, noise.keep);
+      note(grid, channel, "trend", trend.value * span, trend.error * span);
+      for (const auto* course : {&turn_cos, &turn_sin}) {
+        const Projection turn = project(values, *course, noise.deviation, noise.keep);
+        note(grid, channel, "turn", turn.value, turn.error);
+      }
+      // A place: the largest mean over four seconds, less the run's own level.
+      const auto width = static_cast<std::size_t>(std::max(2.0, 4.0 / grid.bin));
+      double worst = 0.0, worst_error = 0.0;
+      int places = 0;
+      for (std::size_t begin = 0; begin + width <= values.size(); begin += width, ++places) {
+        double sum = 0.0;
+        for (std::size_t i = begin; i < begin + width; ++i)
+          sum += (values[i] - mean.value) / static_cast<double>(width);
+        const double error =
+            noise.deviation * std::sqrt((1.0 + noise.keep) / (1.0 - noise.keep) / static_cast<double>(width));
+        if (std::abs(sum) > std::abs(worst)) worst = sum, worst_error = error;
+      }
+      if (worst_error > 0.0) {
+        note(grid, channel, "place", worst, worst_error);
+        asked += places - 1;
+      }
+      if (evidence.fluctuation.known &&
+          std::isfinite(evidence.log_deviation[r][static_cast<std::size_t>(c)])) {
+        const double excess =
+            evidence.log_deviation[r][static_cast<std::size_t>(c)] - predicted[static_cast<std::size_t>(c)];
+        note(grid, channel, "fluctuation", excess, 0.25);
+      }
+    }
+    if (evidence.lag[r])
+      note(grid, Channel::hub_displacement, "lag", *evidence.lag[r] - draw_wire_delay(model),
+           evidence.lag_error);
+  }
+  std::sort(result.findings.begin(), result.findings.end(),
+            [](const Finding& a, const Finding& b) { return std::abs(a.z) > std::abs(b.z); });
+  if (!result.findings.empty()) result.p = std::min(1.0, asked * tail(result.findings.front().z));
+  return result;
+}
+
+}  // namespace wheel_twin::twin

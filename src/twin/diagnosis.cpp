@@ -1,0 +1,437 @@
+#include "twin/diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <thread>
+
+#include "base/error.h"
+#include "base/progress.h"
+#include "effects/catalogue.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr double most_bins = 130.0;       // of a run
+constexpr double good_enough = 1.3;       // error after over noise floor
+constexpr double plainly_wrong = 2.0;     // error after over noise floor at which nothing is explained
+constexpr double mostly_explained = 0.9;  // of the chi-square above what noise has
+constexpr double least_share = 0.05;      // of it that a second effect must explain
+constexpr std::size_t refined = 8;        // candidates that are looked at closely
+
+double bin_for(const logs::Experiment& experiment) {
+  const double rate = std::min(experiment.ft ? experiment.ft->rate : 100.0,
+                               experiment.draw_wire ? experiment.draw_wire->rate : 100.0);
+  return std::max(0.1, 5.0 / std::max(1.0, rate));
+}
+
+void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next{0};
+  const auto loop = [&] {
+    for (std::size_t i = next++; i < count; i = next++) work(i);
+  };
+  std::vector<std::thread> pool;
+  for (int t = 1; t < threads; ++t) pool.emplace_back(loop);
+  loop();
+  for (std::thread& t : pool) t.join();
+}
+
+/// Deviation of a channel that a perfect twin would still show: fluctuation and what differs between runs.
+double floor_of(const ChannelNoise& noise) {
+  return std::hypot(noise.deviation, noise.run_offset);
+}
+
+double rmse(const std::vector<const RunGrid*>& runs, const std::vector<Predicted>& predicted,
+            Eigen::Index channel) {
+  double sum = 0.0;
+  long count = 0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const Residual residual = residual_of(*runs[r], predicted[r]);
+    for (int i = 0; i < runs[r]->bins(); ++i)
+      if (runs[r]->moving[static_cast<std::size_t>(i)] && std::isfinite(residual.bins(channel, i))) {
+        sum += residual.bins(channel, i) * residual.bins(channel, i);
+        ++count;
+      }
+    for (std::size_t w = 0; w < runs[r]->windows.size(); ++w)
+      if (index_of(runs[r]->windows[w].channel) == static_cast<std::size_t>(channel)) {
+        sum += residual.windows[w] * residual.windows[w];
+        ++count;
+      }
+  }
+  return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : std::nan("");
+}
+
+Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& before, const TwinConfig& after,
+                 const NoiseModel& noise) {
+  std::vector<Predicted> with, without;
+  for (const RunGrid* run : runs) {
+    without.push_back(simulate(before, *run));
+    with.push_back(simulate(after, *run));
+  }
+  Errors errors;
+  for (const Channel channel : all_channels) {
+    const auto c = static_cast<Eigen::Index>(index_of(channel));
+    const double value = rmse(runs, without, c);
+    if (std::isfinite(value))
+      errors[channel] = {value, rmse(runs, with, c), floor_of(noise[static_cast<std::size_t>(c)])};
+  }
+  return errors;
+}
+
+/// The worst ratio of error to noise floor over the channels.
+double worst_ratio(const Errors& errors) {
+  double worst = 0.0;
+  for (const auto& [channel, error] : errors) worst = std::max(worst, error.after / error.noise_floor);
+  return worst;
+}
+
+/// Noise of the measured runs: at least that of the reference runs, more where they fluctuate more.
+NoiseModel common_noise(const NoiseModel& reference, const NoiseModel& measured) {
+  NoiseModel noise = reference;
+  for (std::size_t c = 0; c < channel_count; ++c)
+    if (measured[c].deviation > noise[c].deviation) {
+      noise[c].deviation = measured[c].deviation;
+      noise[c].keep = measured[c].keep;
+    }
+  return noise;
+}
+
+std::string effect_list(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : " + ") + name;
+  return text.empty() ? "nothing" : text;
+}
+
+class Tracing {
+ public:
+  Tracing(const Evidence& evidence, const DiagnosisOptions& options)
+      : evidence_(evidence), options_(options) {
+    runs_.resize(evidence.runs.size());
+    std::iota(runs_.begin(), runs_.end(), std::size_t{0});
+    double blocks = 0.0;
+    for (const RunGrid* run : evidence.runs) blocks += run->bins() * run->bin / 6.0;
+    price_ = 0.5 * std::log(std::max(3.0, blocks));
+  }
+
+  /// Fits every effect of the catalogue on top of `base`, best score first.
+  std::vector<Candidate> every_effect(const Candidate& base) const {
+    std::vector<std::string> names;
+    for (const effects::EffectType& type : effects::catalogue())
+      if (std::find(base.effects.begin(), base.effects.end(), type.name) == base.effects.end())
+        names.push_back(type.name);
+    std::vector<Candidate> candidates(names.size());
+    Progress progress(base.effects.empty() ? "tracing effects" : "tracing pairs",
+                      static_cast<double>(names.size()));
+    std::atomic<int> done{0};
+    in_parallel(names.size(), options_.threads, [&](std::size_t i) {
+      std::vector<std::string> all = base.effects;
+      all.push_back(names[i]);
+      candidates[i] = scored(fit_candidate(evidence_, all, runs_, base.values));
+      progress.update(++done);
+    });
+    candidates.erase(
+        std::remove_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return !c.usable; }),
+        candidates.end());
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+    return candidates;
+  }
+
+  /// Chi-square under the noise as it is now known.
+  void judge_again(Candidate& candidate) const {
+    candidate.run_chi_square = chi_squares(evidence_, candidate.model, runs_, candidate.fluctuates);
+    candidate.chi_square =
+        std::accumulate(candidate.run_chi_square.begin(), candidate.run_chi_square.end(), 0.0);
+  }
+
+  double count() const {
+    double sum = 0.0;
+    for (std::size_t r = 0; r < evidence_.runs.size(); ++r)
+      sum += static_cast<double>(run_residuals(evidence_, r, evidence_.baseline, false).size());
+    return sum;
+  }
+
+  Candidate nothing() const { return scored(fit_candidate(evidence_, {}, runs_)); }
+
+  Candidate scored(Candidate candidate) const {
+    candidate.score = -0.5 * candidate.chi_square / temperature_ - price_ * candidate.parameters;
+    return candidate;
+  }
+
+  /// Chi-square counts six channels that share one fluctuation, and what the model misses: scores are cooled
+  /// by how far the best explanation is from chi-square one.
+  void set_temperature(const Candidate& best) {
+    temperature_ = std::max(3.0, 3.0 * best.chi_square / std::max(1.0, count()));
+  }
+
+ private:
+  const Evidence& evidence_;
+  DiagnosisOptions options_;
+  std::vector<std::size_t> runs_;
+  double price_ = 3.0;
+  double temperature_ = 3.0;
+};
+
+std::string describe(const Finding& f) {
+  return fmt::format("{} of {} in {}: {:.3g} {} ({:+.1f} standard errors)", f.feature, name_of(f.channel),
+                     f.run, f.size,
+                     f.feature == "lag"           ? "s"
+                     : f.feature == "fluctuation" ? "in log"
+                                                  : unit_of(f.channel),
+                     f.z);
+}
+
+/// What the residual looks like, for a person who has to write the missing effect.
+std::string describe(const Omnibus& omnibus) {
+  if (omnibus.findings.empty()) return "nothing stands out";
+  std::string text;
+  std::set<std::string> told;
+  for (const Finding& f : omnibus.findings) {
+    if (std::abs(f.z) < 4.0 || told.size() >= 5) break;
+    if (!told.insert(fmt::format("{}/{}", f.feature, name_of(f.channel))).second) continue;
+    text += (text.empty() ? "" : "; ") + describe(f);
+  }
+  return text.empty() ? "nothing stands out" : text;
+}
+
+/// Correlation of the level of each run's residual with slip, load and temperature.
+std::string correlations(const Evidence& evidence, const TwinConfig& model) {
+  std::string text;
+  for (const Channel channel : all_channels) {
+    std::vector<double> level, slip;
+    for (const RunGrid* run : evidence.runs) {
+      const Residual residual = residual_of(*run, simulate(model, *run));
+      double sum = 0.0;
+      int count = 0;
+      for (int i = 0; i < run->bins(); ++i)
+        if (run->moving[static_cast<std::size_t>(i)] && std::isfinite(residual.bins(index_of(channel), i))) {
+          sum += residual.bins(index_of(channel), i);
+          ++count;
+        }
+      if (count == 0) continue;
+      level.push_back(sum / count);
+      slip.push_back(run->declared.slip);
+    }
+    if (level.size() < 4) continue;
+    const double n = static_cast<double>(level.size());
+    const double ml = std::accumulate(level.begin(), level.end(), 0.0) / n,
+                 ms = std::accumulate(slip.begin(), slip.end(), 0.0) / n;
+    double ls = 0.0, ll = 0.0, ss = 0.0;
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      ls += (level[i] - ml) * (slip[i] - ms);
+      ll += (level[i] - ml) * (level[i] - ml);
+      ss += (slip[i] - ms) * (slip[i] - ms);
+    }
+    const double r = ll > 0.0 && ss > 0.0 ? ls / std::sqrt(ll * ss) : 0.0;
+    if (std::abs(r) > 0.8 &&
+        std::sqrt(ll / n) > 2.0 * evidence.noise[static_cast<std::size_t>(index_of(channel))].run_offset)
+      text += fmt::format("; the level of {} follows slip (correlation {:+.2f})", name_of(channel), r);
+  }
+  return text;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& options) {
+  Diagnosis d;
+  d.experiment = experiment.name;
+  GridOptions grid_options;
+  grid_options.bin = bin_for(experiment);
+  d.grids = read_runs(experiment, grid_options);
+  double longest = 0.0;
+  for (const RunGrid& grid : d.grids) longest = std::max(longest, grid.bins() * grid.bin);
+  if (longest / most_bins > grid_options.bin) {
+    grid_options.bin = longest / most_bins;
+    d.grids = read_runs(experiment, grid_options);
+  }
+  std::vector<const RunGrid*> references, measured, held_out;
+  for (const RunGrid& grid : d.grids) {
+    const bool moves = std::find(grid.moving.begin(), grid.moving.end(), true) != grid.moving.end();
+    if (!moves) {
+      d.warnings.push_back(grid.name + ": neither wheel nor carriage moves, left out");
+      continue;
+    }
+    (grid.declared.role == logs::Role::reference  ? references
+     : grid.declared.role == logs::Role::measured ? measured
+                                                  : held_out)
+        .push_back(&grid);
+  }
+  if (measured.empty())
+    throw Error(experiment.name + ": no measured run in which the wheel moves, nothing to diagnose");
+  const bool calibrated = references.size() >= 2;
+  if (!calibrated) d.warnings.push_back("no reference runs: the baseline is fitted together with the effect");
+  // Some measured runs are never fitted, so that what is claimed can be scored on them.
+  if (held_out.empty() && measured.size() >= 5) {
+    std::vector<const RunGrid*> kept;
+    for (std::size_t i = 0; i < measured.size(); ++i) (i % 4 == 2 ? held_out : kept).push_back(measured[i]);
+    measured = kept;
+  }
+  for (const RunGrid* run : held_out) d.held_out.push_back(run->name);
+
+  const NoiseFloor floor = noise_floor(experiment, grid_options.bin);
+  const TwinConfig declared = declared_twin(experiment);
+  const Calibration calibration = calibrate(declared, calibrated ? references : measured, floor);
+  d.before = calibration.model;
+
+  Evidence evidence;
+  evidence.baseline = calibration.model;
+  evidence.runs = measured;
+  std::vector<Residual> residuals;
+  for (const RunGrid* run : measured) residuals.push_back(residual_of(*run, simulate(d.before, *run)));
+  evidence.noise = common_noise(calibration.noise, estimate_noise(measured, residuals, floor));
+  double reference_lag = 0.0;
+  if (calibrated) {
+    std::vector<Residual> reference_residuals;
+    int lags = 0;
+    for (const RunGrid* run : references) {
+      reference_residuals.push_back(residual_of(*run, simulate(d.before, *run)));
+      if (run->lag) reference_lag += run->lag->seconds, ++lags;
+    }
+    if (lags > 0) reference_lag /= lags;
+    evidence.fluctuation = fit_fluctuation(d.before, references, reference_residuals);
+  } else {
+    evidence.baseline.corrections.clear();
+    d.before = evidence.baseline;
+    evidence.baseline = declared;
+    evidence.nuisance = calibration.unknowns;
+    for (std::size_t i = 0; i < evidence.nuisance.size(); ++i)
+      evidence.nuisance[i].start = calibration.fit.x[i];
+  }
+  for (std::size_t r = 0; r < measured.size(); ++r) {
+    evidence.log_deviation.push_back(log_deviation(*measured[r], residuals[r].bins));
+    evidence.calm.push_back(evidence.fluctuation.known
+                                ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation)
+                                : LogDeviation{});
+    evidence.lag.push_back(measured[r]->lag ? std::optional<double>(measured[r]->lag->seconds - reference_lag)
+                                            : std::nullopt);
+  }
+  evidence.lag_error = 0.02;
+
+  Tracing tracing(evidence, options);
+  Candidate nothing = tracing.nothing();
+  if (!nothing.usable)
+    throw Error(experiment.name + ": the calibrated twin cannot carry the loads of the measured runs");
+  d.before = nothing.model;
+  d.omnibus = ask_residual(evidence, nothing.model, false);
+
+  std::vector<Candidate> singles = tracing.every_effect(nothing);
+  if (!singles.empty()) {
+    // What the best explanation leaves tells the noise better than what the baseline leaves.
+    residuals.clear();
+    for (const RunGrid* run : measured)
+      residuals.push_back(residual_of(*run, simulate(singles.front().model, *run)));
+    evidence.noise = common_noise(calibration.noise, estimate_noise(measured, residuals, floor));
+    tracing.judge_again(nothing);
+    for (Candidate& c : singles) tracing.judge_again(c);
+    const auto lowest =
+        std::min_element(singles.begin(), singles.end(),
+                         [](const Candidate& x, const Candidate& y) { return x.chi_square < y.chi_square; });
+    tracing.set_temperature(*lowest);
+  }
+  for (Candidate& c : singles) c = tracing.scored(c);
+  std::sort(singles.begin(), singles.end(),
+            [](const Candidate& x, const Candidate& y) { return x.score > y.score; });
+  nothing = tracing.scored(nothing);
+  d.omnibus = ask_residual(evidence, nothing.model, false);
+  std::vector<Candidate> all = singles;
+  if (all.size() > refined) all.resize(refined);
+
+  const double tests = static_cast<double>(effects::catalogue().size());
+  const auto corrected = [&](const Candidate& base, const Candidate& c) {
+    return std::min(1.0, tests * certify(evidence, base, c));
+  };
+
+  double p_best = singles.empty() ? 1.0 : corrected(nothing, singles.front());
+  Candidate best = singles.empty() ? nothing : singles.front();
+  const double excess = std::max(1.0, nothing.chi_square - tracing.count());
+  const bool something = d.omnibus.p < options.false_alarm_rate || p_best < options.false_alarm_rate;
+  const Errors single_errors = errors_of(measured, nothing.model, best.model, evidence.noise);
+  if (something && p_best < options.false_alarm_rate) {
+    // Is one effect enough? A second must earn its place on runs it was not fitted to as well.
+    const Omnibus left = ask_residual(evidence, best.model, best.fluctuates);
+    if (left.p < options.false_alarm_rate && worst_ratio(single_errors) > 1.05) {
+      std::vector<Candidate> pairs = tracing.every_effect(best);
+      for (Candidate& c : pairs) c = tracing.scored(c);
+      if (!pairs.empty() && pairs.front().score > best.score + 3.0) {
+        const double p_pair = corrected(best, pairs.front());
+        const double gain = (best.chi_square - pairs.front().chi_square) / excess;
+        if (p_pair < options.false_alarm_rate && gain > least_share) {
+          best = pairs.front();
+          p_best = std::max(p_best, p_pair);
+        }
+        all.insert(all.end(), pairs.begin(),
+                   pairs.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, pairs.size())));
+      }
+    }
+  }
+  const Errors errors = errors_of(measured, nothing.model, best.model, evidence.noise);
+  const double ratio = worst_ratio(errors);
+  const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
+  if (!something)
+    d.verdict = "no_residual";
+  else if (p_best < options.false_alarm_rate && (ratio < plainly_wrong || explained > mostly_explained))
+    d.verdict = "effect_found";
+  else
+    d.verdict = "unexplained";
+
+  // Probabilities: scores of all explanations, nothing among them; what no explanation brings to the noise
+  // floor stays with "none of these".
+  all.push_back(nothing);
+  std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  const double unexplained =
+      explained > mostly_explained
+          ? 0.0
+          : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
+  double sum = 0.0;
+  for (const Candidate& c : all) sum += std::exp(c.score - all.front().score);
+  for (const Candidate& c : all) {
+    Ranked ranked;
+    ranked.candidate = c;
+    ranked.probability =
+        std::exp(c.score - all.front().score) / sum * (c.effects.empty() ? 1.0 : 1.0 - unexplained);
+    ranked.p_value = c.effects == best.effects ? p_best : 1.0;
+    d.candidates.push_back(ranked);
+  }
+  d.revised = d.verdict == "effect_found" ? best.model : d.before;
+  d.error = errors_of(measured, d.before, d.revised, evidence.noise);
+  if (!held_out.empty()) d.held_out_error = errors_of(held_out, d.before, d.revised, evidence.noise);
+  d.left = ask_residual(evidence, d.revised, d.verdict == "effect_found" && best.fluctuates);
+
+  if (d.verdict == "no_residual") {
+    d.evidence = fmt::format(
+        "The residual of the calibrated twin is noise: no feature of any run stands out (corrected p = "
+        "{:.2g}) and no effect of the catalogue predicts runs that it was not fitted to (best: {}, corrected "
+        "p = {:.2g}).",
+        d.omnibus.p, effect_list(best.effects), p_best);
+  } else if (d.verdict == "effect_found") {
+    std::string runner = "none";
+    for (const Ranked& r : d.candidates)
+      if (r.candidate.effects != best.effects) {
+        runner = fmt::format("{} (probability {:.2g})", effect_list(r.candidate.effects), r.probability);
+        break;
+      }
+    d.evidence = fmt::format(
+        "The residual shows: {}{}. {} explains it, fitted on one half of the runs and predicting the other "
+        "(corrected p = {:.2g}); runner-up: {}.",
+        describe(d.omnibus), correlations(evidence, nothing.model), effect_list(best.effects), p_best,
+        runner);
+    for (const std::string& name : best.effects) {
+      const effects::EffectType& type = effects::find_effect(name);
+      d.evidence += fmt::format(" {}: {} {}", name, type.advice, type.identifiability);
+    }
+  } else {
+    d.evidence = fmt::format(
+        "The residual is more than noise: {}{}. No effect of the catalogue brings it to the noise level: the "
+        "best, {}, leaves {:.1f} times the noise floor (corrected p = {:.2g}).",
+        describe(d.omnibus), correlations(evidence, nothing.model), effect_list(best.effects), ratio, p_best);
+  }
+  return d;
+}
+
+}  // namespace wheel_twin::twin

@@ -1,0 +1,135 @@
+#include "twin/fluctuation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wheel_twin::twin {
+namespace {
+
+/// Steepest unevenness that is credible: a bed whose stiffness varies by a factor of two.
+constexpr double largest_unevenness = 0.7;
+
+LogDeviation mean_over_runs(const std::vector<LogDeviation>& runs) {
+  LogDeviation mean;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    double sum = 0.0;
+    int count = 0;
+    for (const LogDeviation& run : runs)
+      if (std::isfinite(run[c])) {
+        sum += run[c];
+        ++count;
+      }
+    mean[c] = count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  }
+  return mean;
+}
+
+LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fluctuation) {
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    const double made = std::isfinite(simulated[c]) ? std::exp(simulated[c]) : 0.0;
+    simulated[c] = std::log(std::max(1e-12, std::hypot(made, fluctuation.other[c])));
+  }
+  return simulated;
+}
+
+}  // namespace
+
+LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows) {
+  LogDeviation result;
+  for (int c = 0; c < channel_rows; ++c) {
+    std::vector<double> fluctuation;
+    for (const Segment& segment : segments_of(grid)) {
+      if (!segment.moving) continue;
+      std::vector<double> values;
+      for (int i = segment.begin; i < segment.end; ++i)
+        if (std::isfinite(rows(c, i)) && std::isfinite(grid.measured(c, i))) values.push_back(rows(c, i));
+      const std::vector<double> level_free = without_level(values);
+      fluctuation.insert(fluctuation.end(), level_free.begin(), level_free.end());
+    }
+    const double deviation = fluctuation.size() >= 20 ? robust_deviation(fluctuation) : 0.0;
+    result[static_cast<std::size_t>(c)] =
+        deviation > 0.0 ? std::log(deviation) : std::numeric_limits<double>::quiet_NaN();
+  }
+  return result;
+}
+
+FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
+                                 const std::vector<Residual>& residuals) {
+  FluctuationModel fluctuation;
+  if (references.empty()) return fluctuation;
+  std::vector<LogDeviation> measured;
+  for (std::size_t r = 0; r < references.size(); ++r)
+    measured.push_back(log_deviation(*references[r], residuals[r].bins));
+  const LogDeviation target = mean_over_runs(measured);
+  const auto hub = static_cast<std::size_t>(index_of(Channel::hub_displacement));
+  if (!std::isfinite(target[hub])) return fluctuation;
+
+  const RunGrid& middle = *references[references.size() / 2];
+  const NoiseModel noise = estimate_noise({&middle}, {residuals[references.size() / 2]}, NoiseFloor{});
+  double travel = 0.0;
+  int moving = 0;
+  for (int i = 0; i < middle.bins(); ++i)
+    if (middle.moving[static_cast<std::size_t>(i)]) {
+      const auto& m = middle.motion[static_cast<std::size_t>(i)];
+      travel +=
+          middle.bin * std::max(std::abs(m.carriage_velocity), model.wheel.radius * std::abs(m.wheel_rate));
+      ++moving;
+    }
+  if (moving == 0) return fluctuation;
+  const double keep = std::clamp(noise[hub].keep, 0.05, 0.9);
+  fluctuation.unevenness.correlation_length = travel / moving / -std::log(keep);
+  fluctuation.unevenness.deviation = 0.05;
+  // The hub's fluctuation is nearly proportional to the unevenness: two corrections suffice.
+  LogDeviation simulated{};
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    std::vector<LogDeviation> runs;
+    for (const RunGrid* grid : references)
+      runs.push_back(log_deviation(*grid, simulate(model, *grid, fluctuation.unevenness)));
+    simulated = mean_over_runs(runs);
+    if (!std::isfinite(simulated[hub])) return fluctuation;
+    if (iteration < 2)
+      fluctuation.unevenness.deviation = std::min(
+          largest_unevenness, fluctuation.unevenness.deviation * std::exp(target[hub] - simulated[hub]));
+  }
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    const double total = std::isfinite(target[c]) ? std::exp(target[c]) : 0.0;
+    const double made = std::isfinite(simulated[c]) ? std::exp(simulated[c]) : 0.0;
+    fluctuation.other[c] = total > made ? std::sqrt(total * total - made * made) : 0.1 * total;
+  }
+  fluctuation.known = true;
+  return fluctuation;
+}
+
+Fluctuating simulate_fluctuating(const TwinConfig& model, const TwinConfig& baseline, const RunGrid& grid,
+                                 const FluctuationModel& fluctuation) {
+  constexpr std::uint64_t beds = 2;
+  Fluctuating result;
+  Predicted change = Predicted::Zero(channel_rows, grid.bins());
+  std::vector<LogDeviation> deviations;
+  for (std::uint64_t bed = 1; bed <= beds; ++bed) {
+    Unevenness unevenness = fluctuation.unevenness;
+    unevenness.seed = bed;
+    const Predicted uneven = simulate(model, grid, unevenness);
+    change += (uneven - simulate(baseline, grid, unevenness)) / static_cast<double>(beds);
+    deviations.push_back(log_deviation(grid, uneven));
+  }
+  result.course = simulate(baseline, grid);
+  for (const Segment& segment : segments_of(grid))
+    for (int c = 0; c < channel_rows; ++c) {
+      std::vector<double> values;
+      for (int i = segment.begin; i < segment.end; ++i) values.push_back(change(c, i));
+      const std::vector<double> level = running_mean(values);
+      for (int i = segment.begin; i < segment.end; ++i)
+        result.course(c, i) += level[static_cast<std::size_t>(i - segment.begin)];
+    }
+  result.log_deviation = with_other_noise(mean_over_runs(deviations), fluctuation);
+  return result;
+}
+
+LogDeviation predicted_log_deviation(const TwinConfig& model, const RunGrid& grid,
+                                     const FluctuationModel& fluctuation) {
+  return with_other_noise(log_deviation(grid, simulate(model, grid, fluctuation.unevenness)), fluctuation);
+}
+
+}  // namespace wheel_twin::twin

@@ -1,0 +1,47 @@
+// How much each channel fluctuates, in log measure and against the twin on an uneven bed. Some causes
+// (friction in the guide) leave every mean alone and show in nothing else.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "twin/noise.h"
+#include "twin/run_grid.h"
+#include "twin/simulate.h"
+#include "twin/twin_config.h"
+
+namespace wheel_twin::twin {
+
+/// Logarithm of the deviation about a slow level, by channel; NaN where it cannot be told.
+using LogDeviation = std::array<double, channel_count>;
+
+/// While moving, robust against a few outliers. `rows` are measured or predicted values on the bins of
+/// `grid`.
+LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows);
+
+/// A model of a bed's unevenness and of the noise that each channel has besides.
+struct FluctuationModel {
+  Unevenness unevenness;
+  std::array<double, channel_count> other{};  ///< deviation of what unevenness does not make, SI
+  bool known = false;                         ///< false: nothing is known (no reference runs)
+};
+
+/// Sets the unevenness so that the twin's hub fluctuates on the reference runs as the measured one does.
+FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
+                                 const std::vector<Residual>& residuals);
+
+/// A twin on an uneven bed: its mean course (the friction of a guide shows only on such a bed) and its log
+/// deviation.
+struct Fluctuating {
+  Predicted course;  ///< of the deterministic `baseline`, plus what `model` changes of the slow course on an
+                     ///< uneven bed
+  LogDeviation log_deviation;
+};
+Fluctuating simulate_fluctuating(const TwinConfig& model, const TwinConfig& baseline, const RunGrid& grid,
+                                 const FluctuationModel& fluctuation);
+
+/// Log deviation that a twin would log on this run.
+LogDeviation predicted_log_deviation(const TwinConfig& model, const RunGrid& grid,
+                                     const FluctuationModel& fluctuation);
+
+}  // namespace wheel_twin::twin

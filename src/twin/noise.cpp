@@ -1,0 +1,174 @@
+#include "twin/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr int level_window = 31;  // bins of the running mean that counts as slow course
+
+/// Indices of a segment at which a channel is measured.
+std::vector<int> measured_bins(const RunGrid& grid, int channel, const Segment& segment) {
+  std::vector<int> bins;
+  for (int i = segment.begin; i < segment.end; ++i)
+    if (std::isfinite(grid.measured(channel, i))) bins.push_back(i);
+  return bins;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<double> running_mean(const std::vector<double>& values) {
+  const int n = static_cast<int>(values.size());
+  const int half = std::min(level_window, n) / 2;
+  std::vector<double> cumulated(values.size() + 1, 0.0);
+  std::partial_sum(values.begin(), values.end(), cumulated.begin() + 1);
+  std::vector<double> result(values.size());
+  for (int i = 0; i < n; ++i) {
+    const auto a = static_cast<std::size_t>(std::max(0, i - half)),
+               b = static_cast<std::size_t>(std::min(n, i + half + 1));
+    result[static_cast<std::size_t>(i)] = (cumulated[b] - cumulated[a]) / static_cast<double>(b - a);
+  }
+  return result;
+}
+
+std::vector<double> without_level(const std::vector<double>& values) {
+  const int n = static_cast<int>(values.size());
+  const int half = std::min(level_window, n) / 2;
+  const std::vector<double> level = running_mean(values);
+  std::vector<double> result(values.size());
+  for (int i = 0; i < n; ++i) {
+    const int count = std::min(n, i + half + 1) - std::max(0, i - half);
+    const double share = 1.0 - 1.0 / count;
+    const auto k = static_cast<std::size_t>(i);
+    result[k] = share > 0.0 ? (values[k] - level[k]) / std::sqrt(share) : 0.0;
+  }
+  return result;
+}
+
+double robust_deviation(const std::vector<double>& values) {
+  std::vector<double> magnitude;
+  for (const double v : values) magnitude.push_back(std::abs(v));
+  return 1.4826 * median(std::move(magnitude));
+}
+
+NoiseFloor noise_floor(const logs::Experiment& experiment, double bin) {
+  const auto of = [&](const std::optional<logs::DeclaredSensor>& sensor, double fallback) {
+    if (!sensor) return fallback;
+    const double samples = std::max(1.0, sensor->rate * bin);
+    return std::hypot(sensor->noise, sensor->resolution / std::sqrt(12.0)) / std::sqrt(samples);
+  };
+  const double force = std::max(0.005, of(experiment.ft, 0.02));
+  const double displacement = std::max(2e-6, of(experiment.draw_wire, 2e-5));
+  const double torque = 0.02 * force;
+  return {force, force, force, displacement, torque, 0.002};
+}
+
+std::vector<Segment> segments_of(const RunGrid& grid) {
+  std::vector<Segment> segments;
+  for (int i = 0; i < grid.bins(); ++i) {
+    const bool moving = grid.moving[static_cast<std::size_t>(i)];
+    if (segments.empty() || segments.back().moving != moving) segments.push_back({i, i, moving});
+    segments.back().end = i + 1;
+  }
+  return segments;
+}
+
+NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::vector<Residual>& residuals,
+                          const NoiseFloor& floor) {
+  NoiseModel noise;
+  for (int c = 0; c < channel_rows; ++c) {
+    std::vector<double> fluctuation, rest, rest_means;
+    double lagged = 0.0, squared = 0.0;
+    for (std::size_t r = 0; r < grids.size(); ++r)
+      for (const Segment& segment : segments_of(*grids[r])) {
+        const std::vector<int> bins = measured_bins(*grids[r], c, segment);
+        if (bins.size() < 3) continue;
+        std::vector<double> values;
+        for (const int i : bins) values.push_back(residuals[r].bins(c, i));
+        if (segment.moving) {
+          const std::vector<double> level_free = without_level(values);
+          fluctuation.insert(fluctuation.end(), level_free.begin(), level_free.end());
+          const double limit = 4.0 * robust_deviation(level_free);
+          for (std::size_t i = 1; i < level_free.size(); ++i) {
+            if (std::abs(level_free[i]) > limit || std::abs(level_free[i - 1]) > limit) continue;
+            lagged += level_free[i] * level_free[i - 1];
+            squared += level_free[i] * level_free[i];
+          }
+        } else {
+          const double mean =
+              std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+          for (const double v : values) rest.push_back(v - mean);
+          rest_means.push_back(mean);
+        }
+      }
+    const double least = floor[static_cast<std::size_t>(c)];
+    ChannelNoise& channel = noise[static_cast<std::size_t>(c)];
+    channel.deviation = std::max(least, robust_deviation(fluctuation));
+    channel.keep = squared > 0.0 ? std::clamp(lagged / squared, 0.0, 0.9) : 0.0;
+    channel.rest = std::max(least, robust_deviation(rest));
+    channel.rest_offset =
+        rest_means.size() >= 3 ? std::max(least, robust_deviation(rest_means)) : channel.deviation;
+  }
+  return noise;
+}
+
+int whiten(const RunGrid& grid, const Residual& residual, const NoiseModel& noise, std::vector<double>& out,
+           std::vector<int>* block, int first_block, double block_length) {
+  const std::vector<Segment> segments = segments_of(grid);
+  const auto block_of = [&](int bin) {
+    return first_block + static_cast<int>(bin * grid.bin / block_length);
+  };
+  for (int c = 0; c < channel_rows; ++c) {
+    const ChannelNoise& channel = noise[static_cast<std::size_t>(c)];
+    for (const Segment& segment : segments) {
+      const std::vector<int> bins = measured_bins(grid, c, segment);
+      if (bins.empty()) continue;
+      const double keep = segment.moving ? channel.keep : 0.0;
+      const double deviation = segment.moving ? channel.deviation : channel.rest;
+      const double offset = segment.moving ? channel.run_offset : channel.rest_offset;
+      const double innovation = deviation * std::sqrt(1.0 - keep * keep);
+      const std::size_t start = out.size();
+      double along = 0.0, length = 0.0;  // of the whitened residual on the whitened offset
+      std::vector<double> direction;
+      for (std::size_t k = 0; k < bins.size(); ++k) {
+        const bool follows = k > 0 && bins[k] == bins[k - 1] + 1;
+        const double e = residual.bins(c, bins[k]);
+        const double u = follows ? (e - keep * residual.bins(c, bins[k - 1])) / innovation : e / deviation;
+        const double a = follows ? (1.0 - keep) / innovation : 1.0 / deviation;
+        out.push_back(u);
+        direction.push_back(a);
+        along += a * u;
+        length += a * a;
+        if (block != nullptr) block->push_back(block_of(bins[k]));
+      }
+      if (offset > 0.0 && length > 0.0) {
+        const double shrink = (1.0 - 1.0 / std::sqrt(1.0 + offset * offset * length)) * along / length;
+        for (std::size_t k = 0; k < direction.size(); ++k) out[start + k] -= shrink * direction[k];
+      }
+    }
+  }
+  for (std::size_t w = 0; w < grid.windows.size(); ++w) {
+    const WindowMean& window = grid.windows[w];
+    // A mean over a window carries the offset of its run and little else.
+    const ChannelNoise& channel = noise[static_cast<std::size_t>(index_of(window.channel))];
+    const double bins = std::max(1.0, (window.end - window.start) / grid.bin);
+    const double independent = bins * (1.0 - channel.keep) / (1.0 + channel.keep);
+    const double deviation =
+        std::hypot(channel.run_offset, channel.deviation / std::sqrt(std::max(1.0, independent)));
+    out.push_back(residual.windows[w] / deviation);
+    if (block != nullptr) block->push_back(block_of(static_cast<int>(window.start / grid.bin)));
+  }
+  return block_of(grid.bins()) + 1;
+}
+
+}  // namespace wheel_twin::twin

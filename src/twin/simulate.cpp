@@ -1,0 +1,116 @@
+#include "twin/simulate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/random.h"
+#include "effects/catalogue.h"
+#include "rig/replay.h"
+#include "rig/semi_empirical_contact.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+/// One realisation of the unevenness, drawn along the bins of one run.
+class UnevenSoil final : public rig::SoilPort {
+ public:
+  UnevenSoil(const Unevenness& settings, const RunGrid& grid, double radius) : bin_(grid.bin) {
+    Random random(settings.seed, 7);
+    double value = random.normal();
+    for (int i = 0; i < grid.bins(); ++i) {
+      const auto& m = grid.motion[static_cast<std::size_t>(i)];
+      const double travel =
+          grid.bin * std::max(std::abs(m.carriage_velocity), radius * std::abs(m.wheel_rate));
+      const double keep = std::exp(-travel / settings.correlation_length);
+      value = keep * value + std::sqrt(1.0 - keep * keep) * random.normal();
+      factor_.push_back(std::exp(settings.deviation * value));
+    }
+  }
+
+  double stiffness_factor(const rig::RigState& state, double /*depth*/) const override {
+    const double position = std::clamp(state.time / bin_ - 0.5, 0.0, static_cast<double>(factor_.size() - 1));
+    const auto i = static_cast<std::size_t>(position);
+    if (i + 1 >= factor_.size()) return factor_.back();
+    const double share = position - static_cast<double>(i);
+    return factor_[i] * (1.0 - share) + factor_[i + 1] * share;
+  }
+
+ private:
+  double bin_;
+  std::vector<double> factor_;
+};
+
+}  // namespace
+
+Predicted simulate(const TwinConfig& model, const RunGrid& grid,
+                   const std::optional<Unevenness>& unevenness) {
+  std::vector<std::unique_ptr<effects::Effect>> effects;
+  rig::Ports ports;
+  for (const EffectSetting& setting : model.effects) {
+    effects.push_back(effects::make_effect(effects::find_effect(setting.name), setting.values));
+    effects.back()->attach(ports);
+  }
+  std::optional<UnevenSoil> uneven;
+  if (unevenness) {
+    uneven.emplace(*unevenness, grid, model.wheel.radius);
+    ports.soil.push_back(&*uneven);
+  }
+  rig::RunConditions conditions;
+  conditions.slip = grid.declared.slip;
+  conditions.load = grid.declared.load;
+  conditions.wheel_speed = grid.declared.wheel_speed;
+  conditions.steering_angle = grid.declared.steering_angle;
+  rig::ReplayOptions options;
+  options.step = grid.bin;
+  rig::SemiEmpiricalOptions contact_options;
+  contact_options.start_up = model.start_up;
+  rig::SemiEmpiricalContact contact(model.wheel, model.soil, ports, contact_options);
+  rig::Replay replay(model.rig, conditions, model.wheel.radius, contact, ports, options);
+
+  const int n = grid.bins();
+  Predicted predicted(channel_rows, n);
+  for (int i = 0; i < n; ++i) {
+    const rig::Readings& r = replay.update(grid.motion[static_cast<std::size_t>(i)]).readings;
+    predicted.col(i) << r.wrench.force.x(), r.wrench.force.y(), r.wrench.force.z(), r.displacement,
+        r.wrench.torque.y(), r.joints.wheel_effort;
+  }
+  const double delay = replay.draw_wire_delay();
+  if (delay != 0.0) {
+    const Eigen::RowVectorXd original = predicted.row(index_of(Channel::hub_displacement));
+    for (int i = 0; i < n; ++i) {
+      const double position = std::clamp(i - delay / grid.bin, 0.0, n - 1.0);
+      const int before = std::min(static_cast<int>(position), n - 2);
+      const double share = position - before;
+      predicted(index_of(Channel::hub_displacement), i) =
+          original[before] * (1.0 - share) + original[before + 1] * share;
+    }
+  }
+  for (const Correction& correction : model.corrections) {
+    auto row = predicted.row(index_of(correction.channel));
+    for (int i = 0; i < n; ++i)
+      if (grid.moving[static_cast<std::size_t>(i)]) row[i] += correction.at(grid.slip[i], grid.declared.load);
+  }
+  return predicted;
+}
+
+Residual residual_of(const RunGrid& grid, const Predicted& predicted) {
+  Residual residual;
+  residual.bins = grid.measured - predicted;
+  for (const WindowMean& window : grid.windows)
+    residual.windows.push_back(window.mean - window_mean(predicted, grid, window));
+  return residual;
+}
+
+double window_mean(const Predicted& predicted, const RunGrid& grid, const WindowMean& window) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < grid.bins(); ++i)
+    if (grid.time(i) >= window.start && grid.time(i) <= window.end) {
+      sum += predicted(index_of(window.channel), i);
+      ++count;
+    }
+  return count > 0 ? sum / count : std::nan("");
+}
+
+}  // namespace wheel_twin::twin
