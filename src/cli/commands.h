@@ -13,6 +13,8 @@ void add_calibrate(CLI::App& app);
 void add_import(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_diagnose(CLI::App& app);
+void add_evaluate(CLI::App& app);
 void add_steady(CLI::App& app);
 void add_bench(CLI::App& app);
 
