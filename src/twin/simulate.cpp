@@ -41,6 +41,21 @@ class UnevenSoil final : public rig::SoilPort {
   std::vector<double> factor_;
 };
 
+/// Measured hub displacement before the run starts to move: where friction left the slide cannot be
+/// predicted.
+std::optional<double> resting_displacement(const RunGrid& grid) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < grid.bins() && !grid.moving[static_cast<std::size_t>(i)]; ++i) {
+    const double d = grid.measured(static_cast<Eigen::Index>(index_of(Channel::hub_displacement)), i);
+    if (!std::isfinite(d) || d <= 0.0) continue;
+    sum += d;
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return sum / count;
+}
+
 }  // namespace
 
 Predicted simulate(const TwinConfig& model, const RunGrid& grid,
@@ -63,6 +78,7 @@ Predicted simulate(const TwinConfig& model, const RunGrid& grid,
   conditions.steering_angle = grid.declared.steering_angle;
   rig::ReplayOptions options;
   options.step = grid.bin;
+  if (unevenness) options.initial_displacement = resting_displacement(grid);
   rig::SemiEmpiricalOptions contact_options;
   contact_options.start_up = model.start_up;
   rig::SemiEmpiricalContact contact(model.wheel, model.soil, ports, contact_options);

@@ -1,5 +1,6 @@
 // A run of the twin, led by the measured motion of a log, on the grid of that run. Deterministic; the
-// unevenness of a real bed is added on request, as one realisation of a random stiffness along the travel.
+// unevenness of a real bed is added on request, as one realisation of a random stiffness along the travel;
+// such a run starts at the measured hub displacement.
 #pragma once
 
 #include <Eigen/Core>
