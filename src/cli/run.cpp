@@ -172,7 +172,9 @@ void run_experiment(const Options& options, const rig::Ports& ports) {
     settings.conditions.steering_angle = run.steering_angle;
     settings.seed = options.seed + i;
     settings.epoch = options.epoch + 300.0 * static_cast<double>(i);
-    run_once(options, loaded, settings, ports, (fs::path(options.out) / *run.bag).string());
+    const bool reference = run.role == logs::Role::reference;  // the rig known to be in order
+    run_once(options, loaded, settings, reference ? rig::Ports{} : ports,
+             (fs::path(options.out) / *run.bag).string());
   }
   logs::write_experiment(experiment, options.out);
 }
@@ -225,7 +227,9 @@ void add_run(CLI::App& app) {
   add("--travel", set.profile.travel, "Carriage travel of the steady part, m; 0: by duration alone");
   add("--duration", set.profile.longest_steady, "Longest steady part, s");
   add("--dwell", set.profile.dwell, "At rest on the soil before the start, s");
-  add("--effect", set.effects, "Acts on the run, as name:parameter=value,...; may be repeated");
+  add("--effect", set.effects,
+      "Acts on the run (of an experiment: on all but reference runs), as name:parameter=value,...; may be "
+      "repeated");
   add("--seed", set.seed, "Seed of all noise: the same seed gives the same bytes");
   add("--epoch", set.epoch, "ROS time of the start, s");
   add("--experiment", set.experiment, "Experiment: a name in config/experiments, a file or a directory");
