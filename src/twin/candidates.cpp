@@ -121,7 +121,7 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
   std::vector<double> out;
   int next = 0;
   if (with_fluctuation && evidence.fluctuation.known) {
-    const Fluctuating simulated = simulate_fluctuating(model, evidence.baseline, grid, evidence.fluctuation);
+    const Fluctuating simulated = simulate_fluctuating(model, grid, evidence.fluctuation);
     next = whiten(grid, residual_of(grid, simulated.course), evidence.noise, out, block);
     for (std::size_t c = 0; c < channel_count; ++c) {
       const double measured = evidence.log_deviation[run][c], predicted = simulated.log_deviation[c];

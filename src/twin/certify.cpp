@@ -90,7 +90,7 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
     const RunGrid& grid = *evidence.runs[r];
     Fluctuating simulated;
     if (fluctuates && evidence.fluctuation.known) {
-      simulated = simulate_fluctuating(model, evidence.baseline, grid, evidence.fluctuation);
+      simulated = simulate_fluctuating(model, grid, evidence.fluctuation);
     } else {
       simulated.course = simulate(model, grid);
       if (evidence.fluctuation.known) simulated.log_deviation = evidence.calm[r];

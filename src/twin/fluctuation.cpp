@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "effects/catalogue.h"
+
 namespace wheel_twin::twin {
 namespace {
 
@@ -31,6 +33,21 @@ LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fl
     simulated[c] = std::log(std::max(1e-12, std::hypot(made, fluctuation.other[c])));
   }
   return simulated;
+}
+
+/// A slide that sticks on an even bed stays where it was put; on a real one the unevenness works it loose.
+/// Its slow course is that of a slide without friction.
+TwinConfig without_friction(TwinConfig model) {
+  const auto sticks = [](const EffectSetting& setting) {
+    const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
+    rig::Ports ports;
+    effect->attach(ports);
+    return std::any_of(ports.rig.begin(), ports.rig.end(),
+                       [](const rig::RigPort* port) { return port->coulomb_friction({}) > 0.0; });
+  };
+  model.effects.erase(std::remove_if(model.effects.begin(), model.effects.end(), sticks),
+                      model.effects.end());
+  return model;
 }
 
 }  // namespace
@@ -101,29 +118,18 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
   return fluctuation;
 }
 
-Fluctuating simulate_fluctuating(const TwinConfig& model, const TwinConfig& baseline, const RunGrid& grid,
+Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
                                  const FluctuationModel& fluctuation) {
   constexpr std::uint64_t beds = 2;
   Fluctuating result;
-  Predicted change = Predicted::Zero(channel_rows, grid.bins());
   std::vector<LogDeviation> deviations;
   for (std::uint64_t bed = 1; bed <= beds; ++bed) {
     Unevenness unevenness = fluctuation.unevenness;
     unevenness.seed = bed;
-    const Predicted uneven = simulate(model, grid, unevenness);
-    change += (uneven - simulate(baseline, grid, unevenness)) / static_cast<double>(beds);
-    deviations.push_back(log_deviation(grid, uneven));
+    deviations.push_back(log_deviation(grid, simulate(model, grid, unevenness)));
   }
-  result.course = simulate(baseline, grid);
-  for (const Segment& segment : segments_of(grid))
-    for (int c = 0; c < channel_rows; ++c) {
-      std::vector<double> values;
-      for (int i = segment.begin; i < segment.end; ++i) values.push_back(change(c, i));
-      const std::vector<double> level = running_mean(values);
-      for (int i = segment.begin; i < segment.end; ++i)
-        result.course(c, i) += level[static_cast<std::size_t>(i - segment.begin)];
-    }
   result.log_deviation = with_other_noise(mean_over_runs(deviations), fluctuation);
+  result.course = simulate(without_friction(model), grid);
   return result;
 }
 

@@ -30,14 +30,12 @@ struct FluctuationModel {
 FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
                                  const std::vector<Residual>& residuals);
 
-/// A twin on an uneven bed: its mean course (the friction of a guide shows only on such a bed) and its log
-/// deviation.
+/// A twin on an uneven bed.
 struct Fluctuating {
-  Predicted course;  ///< of the deterministic `baseline`, plus what `model` changes of the slow course on an
-                     ///< uneven bed
-  LogDeviation log_deviation;
+  Predicted course;  ///< slow course, deterministic; friction of the guide works loose and is left out
+  LogDeviation log_deviation;  ///< mean of several beds
 };
-Fluctuating simulate_fluctuating(const TwinConfig& model, const TwinConfig& baseline, const RunGrid& grid,
+Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
                                  const FluctuationModel& fluctuation);
 
 /// Log deviation that a twin would log on this run.

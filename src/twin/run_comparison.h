@@ -46,7 +46,8 @@ struct MeanComparison {
 };
 
 struct ChannelComparison {
-  std::optional<SeriesComparison> series;  ///< where the run has the topic; from the wheel's touch of the soil
+  std::optional<SeriesComparison>
+      series;           ///< where the run has the topic; from the wheel's touch of the soil
   MeanComparison mean;  ///< over the window of the averages, else over the time in which the rig moved
   double error = 0.0;  ///< window averages: |twin - measured|; else RMSE over the time in which the rig moved
   bool from_average = false;
