@@ -63,7 +63,7 @@ class Integrator {
     sin_1_ = std::sin(g.theta_1), cos_1_ = std::cos(g.theta_1);
     sin_2_ = std::sin(g.theta_2), cos_2_ = std::cos(g.theta_2);
     sin_d_ = std::sin(g.theta_d), cos_d_ = std::cos(g.theta_d);
-    mirror_ = (g.theta_1 - g.theta_m) / (g.theta_m - g.theta_2);
+    if (g.theta_m > g.theta_2) mirror_ = (g.theta_1 - g.theta_m) / (g.theta_m - g.theta_2);
     if constexpr (Full) {
       const double root = std::tan(0.25 * M_PI + 0.5 * std::atan(law.tan_phi));  // sqrt(N_phi)
       const double h = law.grouser_height;
