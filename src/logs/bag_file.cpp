@@ -18,7 +18,7 @@ namespace {
 constexpr char version_line[] = "#ROSBAG V2.0\n";
 constexpr std::size_t bag_header_size = 4096;
 // rosbag's default is 768 KiB; less is lost with a smaller one when a recorder is killed.
-constexpr std::size_t chunk_threshold = 256 * 1024;
+constexpr std::size_t chunk_threshold = 1UL << 18;  // 256 KiB
 
 template <typename T>
 std::string little(T value) {

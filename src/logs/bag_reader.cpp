@@ -161,7 +161,8 @@ class Reader {
   void finish(const ScanSummary& summary) {
     const std::int64_t epoch = find_epoch();
     run_log::RunLog& log = recording_.log;
-    log.epoch = static_cast<double>(epoch / 1000) / 1e6;
+    const std::int64_t microseconds = epoch / 1000;
+    log.epoch = static_cast<double>(microseconds) / 1e6;
     const auto seconds = [epoch](const std::vector<std::int64_t>& from, std::vector<double>& to) {
       to.resize(from.size());
       std::transform(from.begin(), from.end(), to.begin(),

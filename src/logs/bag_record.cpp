@@ -103,7 +103,7 @@ std::optional<Record> read_record(ByteSource& source, std::uint64_t offset) {
 }
 
 std::uint64_t find_record(ByteSource& source, std::uint64_t offset) {
-  constexpr std::size_t block = 32 * 1024;
+  constexpr std::size_t block = 1UL << 15;
   constexpr std::size_t overlap = 8;
   std::vector<std::uint8_t> bytes(block + overlap);
   const std::uint64_t size = source.size();

@@ -14,7 +14,7 @@
 
 namespace wheel_twin::logs {
 namespace {
-constexpr std::size_t window_bytes = 256 * 1024;
+constexpr std::size_t window_bytes = 1UL << 18;  // 256 KiB
 }
 
 FileSource::FileSource(std::string path) : path_(std::move(path)) {

@@ -14,7 +14,7 @@ namespace {
 using State = Decompressed::State;
 
 constexpr std::size_t first_output = 1 << 20;
-constexpr std::size_t input_block = 64 * 1024;
+constexpr std::size_t input_block = 1UL << 16;
 
 /// Reads the input in blocks.
 class Input {
