@@ -61,7 +61,7 @@ void LossBook::forget_old(std::int64_t step) {
 void System::Impl::record_losses() {
   const auto number_of = [&](std::uint32_t sphere) {
     const std::uint32_t b = spheres.body[sphere];
-    return static_cast<std::uint64_t>(first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]));
+    return static_cast<std::uint64_t>(first_sphere_of_rank[bodies.rank[b]]) + (sphere - bodies.first[b]);
   };
   for (std::size_t p = 0; p < lists.size(); ++p) {
     const PairList& list = lists[p];

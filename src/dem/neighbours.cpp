@@ -51,8 +51,8 @@ class Grid {
     float skin = 0.0F;
     for (std::size_t b = 0; b < bodies.count; ++b) skin = std::max(skin, bodies.reserve[b]);
     reach_ = largest_small_ + skin;
-    double low[3];
-    double high[3];
+    double low[3] = {};
+    double high[3] = {};
     for (int a = 0; a < 3; ++a) {
       low[a] = period_.low[a];
       high[a] = period_.high[a];
@@ -268,8 +268,8 @@ void find_pairs(const Bodies& bodies, const Spheres& spheres, const Period& peri
 }
 
 std::vector<std::uint32_t> spatial_order(const Bodies& bodies, const Period& period, double cell) {
-  double low[3];
-  double high[3];
+  double low[3] = {};
+  double high[3] = {};
   for (int a = 0; a < 3; ++a) {
     low[a] = 1e300;
     high[a] = -1e300;

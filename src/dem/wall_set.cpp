@@ -344,7 +344,7 @@ void WallSet::finish(std::size_t t, const Quanta& quanta, bool rolls) {
     const Part& part = parts_[touch.part];
     const Eigen::Vector3d force{-contacts.force[0][k], -contacts.force[1][k], -contacts.force[2][k]};
     const Eigen::Vector3d torque = (thread.point[k] - part.wall.pose.position).cross(force);
-    double* sum = &thread.wrench[7 * touch.part];
+    double* sum = &thread.wrench[7 * static_cast<std::size_t>(touch.part)];
     for (int a = 0; a < 3; ++a) {
       sum[a] += (force[a] + force_magic) - force_magic;
       sum[3 + a] += (torque[a] + torque_magic) - torque_magic;
