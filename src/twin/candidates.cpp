@@ -10,7 +10,7 @@ namespace wheel_twin::twin {
 namespace {
 
 constexpr double log_deviation_error =
-    0.25;                             // of one run: few independent stretches, and what the twin misses
+    0.4;  // of a stretch: few independent values, and what the twin misses
 constexpr double prior_widths = 3.0;  // of a parameter's scale
 
 /// Values of several effects one after another.
@@ -119,29 +119,29 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
                                   bool with_fluctuation, std::vector<int>* block) {
   const RunGrid& grid = *evidence.runs[run];
   std::vector<double> out;
-  int next = 0;
+  LogDeviation predicted{};
+  Predicted course;
   if (with_fluctuation && evidence.fluctuation.known) {
     const Fluctuating simulated = simulate_fluctuating(model, grid, evidence.fluctuation);
-    next = whiten(grid, residual_of(grid, simulated.course), evidence.noise, out, block);
-    for (std::size_t c = 0; c < channel_count; ++c) {
-      const double measured = evidence.log_deviation[run][c], predicted = simulated.log_deviation[c];
-      if (!std::isfinite(measured) || !std::isfinite(predicted)) continue;
-      out.push_back(std::clamp((measured - predicted) / log_deviation_error, -12.0, 12.0));
-      if (block != nullptr) block->push_back(next);
-    }
+    predicted = simulated.log_deviation;
+    course = simulated.course;
   } else {
-    next = whiten(grid, residual_of(grid, simulate(model, grid)), evidence.noise, out, block);
-    // Channels fluctuate as on the reference runs.
-    for (std::size_t c = 0; evidence.fluctuation.known && c < channel_count; ++c) {
-      const double measured = evidence.log_deviation[run][c], predicted = evidence.calm[run][c];
-      if (!std::isfinite(measured) || !std::isfinite(predicted)) continue;
-      out.push_back(std::clamp((measured - predicted) / log_deviation_error, -12.0, 12.0));
-      if (block != nullptr) block->push_back(next);
-    }
+    course = simulate(model, grid);
+    predicted = evidence.calm[run];
   }
+  int next = whiten(grid, residual_of(grid, course), evidence.noise, out, block);
+  if (evidence.fluctuation.known)
+    for (const LogDeviation& measured : evidence.log_deviation[run]) {
+      for (std::size_t c = 0; c < channel_count; ++c) {
+        if (!std::isfinite(measured[c]) || !std::isfinite(predicted[c])) continue;
+        out.push_back(std::clamp((measured[c] - predicted[c]) / log_deviation_error, -12.0, 12.0));
+        if (block != nullptr) block->push_back(next);
+      }
+      ++next;
+    }
   if (evidence.lag[run]) {
     out.push_back((*evidence.lag[run] - draw_wire_delay(model)) / evidence.lag_error);
-    if (block != nullptr) block->push_back(next + 1);
+    if (block != nullptr) block->push_back(next);
   }
   return out;
 }

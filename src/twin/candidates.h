@@ -18,9 +18,9 @@ struct Evidence {
   std::vector<Unknown> nuisance;  ///< baseline unknowns fitted along (no reference runs); empty: none
   NoiseModel noise;               ///< of the measured runs
   FluctuationModel fluctuation;
-  std::vector<const RunGrid*> runs;         ///< measured
-  std::vector<LogDeviation> log_deviation;  ///< of each run
-  std::vector<LogDeviation> calm;           ///< of each run, as the baseline on an uneven bed has it
+  std::vector<const RunGrid*> runs;                      ///< measured
+  std::vector<std::vector<LogDeviation>> log_deviation;  ///< of each run, by stretch
+  std::vector<LogDeviation> calm;  ///< of each run, as the baseline on an uneven bed has it
   std::vector<std::optional<double>>
       lag;                  ///< of the draw wire behind the wrench, s, less that of the references
   double lag_error = 0.05;  ///< s

@@ -97,6 +97,7 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
     }
     const Residual residual = residual_of(grid, simulated.course);
     const LogDeviation& predicted = simulated.log_deviation;
+    const LogDeviation measured_deviation = mean_of(evidence.log_deviation[r]);
     for (const Channel channel : all_channels) {
       const auto c = static_cast<Eigen::Index>(index_of(channel));
       const ChannelNoise& noise = evidence.noise[static_cast<std::size_t>(c)];
@@ -136,12 +137,9 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
         note(grid, channel, "place", worst, worst_error);
         asked += places - 1;
       }
-      if (evidence.fluctuation.known &&
-          std::isfinite(evidence.log_deviation[r][static_cast<std::size_t>(c)])) {
-        const double excess =
-            evidence.log_deviation[r][static_cast<std::size_t>(c)] - predicted[static_cast<std::size_t>(c)];
-        note(grid, channel, "fluctuation", excess, 0.25);
-      }
+      if (evidence.fluctuation.known)
+        note(grid, channel, "fluctuation",
+             measured_deviation[static_cast<std::size_t>(c)] - predicted[static_cast<std::size_t>(c)], 0.25);
     }
     if (evidence.lag[r])
       note(grid, Channel::hub_displacement, "lag", *evidence.lag[r] - draw_wire_delay(model),

@@ -304,7 +304,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
       evidence.nuisance[i].start = calibration.fit.x[i];
   }
   for (std::size_t r = 0; r < measured.size(); ++r) {
-    evidence.log_deviation.push_back(log_deviation(*measured[r], residuals[r].bins));
+    evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
     evidence.calm.push_back(evidence.fluctuation.known
                                 ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation)
                                 : LogDeviation{});

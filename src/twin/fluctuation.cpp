@@ -12,21 +12,6 @@ namespace {
 /// Steepest unevenness that is credible: a bed whose stiffness varies by a factor of two.
 constexpr double largest_unevenness = 0.7;
 
-LogDeviation mean_over_runs(const std::vector<LogDeviation>& runs) {
-  LogDeviation mean;
-  for (std::size_t c = 0; c < channel_count; ++c) {
-    double sum = 0.0;
-    int count = 0;
-    for (const LogDeviation& run : runs)
-      if (std::isfinite(run[c])) {
-        sum += run[c];
-        ++count;
-      }
-    mean[c] = count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
-  }
-  return mean;
-}
-
 LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fluctuation) {
   for (std::size_t c = 0; c < channel_count; ++c) {
     const double made = std::isfinite(simulated[c]) ? std::exp(simulated[c]) : 0.0;
@@ -50,16 +35,15 @@ TwinConfig without_friction(TwinConfig model) {
   return model;
 }
 
-}  // namespace
-
-LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows) {
+/// While moving, of the bins from `begin` up to `end`.
+LogDeviation log_deviation_between(const RunGrid& grid, const Predicted& rows, int begin, int end) {
   LogDeviation result;
   for (int c = 0; c < channel_rows; ++c) {
     std::vector<double> fluctuation;
     for (const Segment& segment : segments_of(grid)) {
       if (!segment.moving) continue;
       std::vector<double> values;
-      for (int i = segment.begin; i < segment.end; ++i)
+      for (int i = std::max(begin, segment.begin); i < std::min(end, segment.end); ++i)
         if (std::isfinite(rows(c, i)) && std::isfinite(grid.measured(c, i))) values.push_back(rows(c, i));
       const std::vector<double> level_free = without_level(values);
       fluctuation.insert(fluctuation.end(), level_free.begin(), level_free.end());
@@ -71,6 +55,36 @@ LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows) {
   return result;
 }
 
+}  // namespace
+
+LogDeviation mean_of(const std::vector<LogDeviation>& several) {
+  LogDeviation mean;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    double sum = 0.0;
+    int count = 0;
+    for (const LogDeviation& one : several)
+      if (std::isfinite(one[c])) {
+        sum += one[c];
+        ++count;
+      }
+    mean[c] = count > 0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  }
+  return mean;
+}
+
+LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows) {
+  return log_deviation_between(grid, rows, 0, grid.bins());
+}
+
+std::vector<LogDeviation> log_deviation_by_stretch(const RunGrid& grid, const Predicted& rows) {
+  constexpr int stretches = 4;
+  std::vector<LogDeviation> result;
+  for (int k = 0; k < stretches; ++k)
+    result.push_back(
+        log_deviation_between(grid, rows, grid.bins() * k / stretches, grid.bins() * (k + 1) / stretches));
+  return result;
+}
+
 FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
                                  const std::vector<Residual>& residuals) {
   FluctuationModel fluctuation;
@@ -78,7 +92,7 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
   std::vector<LogDeviation> measured;
   for (std::size_t r = 0; r < references.size(); ++r)
     measured.push_back(log_deviation(*references[r], residuals[r].bins));
-  const LogDeviation target = mean_over_runs(measured);
+  const LogDeviation target = mean_of(measured);
   const auto hub = static_cast<std::size_t>(index_of(Channel::hub_displacement));
   if (!std::isfinite(target[hub])) return fluctuation;
 
@@ -103,7 +117,7 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
     std::vector<LogDeviation> runs;
     for (const RunGrid* grid : references)
       runs.push_back(log_deviation(*grid, simulate(model, *grid, fluctuation.unevenness)));
-    simulated = mean_over_runs(runs);
+    simulated = mean_of(runs);
     if (!std::isfinite(simulated[hub])) return fluctuation;
     if (iteration < 2)
       fluctuation.unevenness.deviation = std::min(
@@ -128,7 +142,7 @@ Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
     unevenness.seed = bed;
     deviations.push_back(log_deviation(grid, simulate(model, grid, unevenness)));
   }
-  result.log_deviation = with_other_noise(mean_over_runs(deviations), fluctuation);
+  result.log_deviation = with_other_noise(mean_of(deviations), fluctuation);
   result.course = simulate(without_friction(model), grid);
   return result;
 }

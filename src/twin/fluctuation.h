@@ -19,6 +19,12 @@ using LogDeviation = std::array<double, channel_count>;
 /// `grid`.
 LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows);
 
+/// The same for equal stretches of the run, one after another: independent views of one cause.
+std::vector<LogDeviation> log_deviation_by_stretch(const RunGrid& grid, const Predicted& rows);
+
+/// Mean over stretches or runs; NaN where none can tell.
+LogDeviation mean_of(const std::vector<LogDeviation>& several);
+
 /// A model of a bed's unevenness and of the noise that each channel has besides.
 struct FluctuationModel {
   Unevenness unevenness;

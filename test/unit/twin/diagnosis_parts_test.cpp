@@ -1,0 +1,266 @@
+// The parts of a diagnosis, each against what is put into it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "rig/speeds.h"
+#include "twin/baseline.h"
+#include "twin/certify.h"
+#include "twin/fit.h"
+#include "twin/lag.h"
+#include "twin/noise.h"
+#include "twin/twin_config.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+using testing::HasSubstr;
+
+/// A run of `n` bins of half a second at one slip and load that stands still for its first ten bins.
+RunGrid steady_run(double slip, double load, int n = 120) {
+  RunGrid grid;
+  grid.name = "run";
+  grid.declared.slip = slip;
+  grid.declared.load = load;
+  grid.declared.wheel_speed = 0.2859;
+  grid.bin = 0.5;
+  grid.measured.setZero(channel_rows, n);
+  grid.slip.setConstant(n, slip);
+  const rig::Speeds speeds = rig::speeds_of_slip(slip, 0.2859, 0.09);
+  double x = 0.0, angle = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const bool moves = i >= 10;
+    rig::MeasuredMotion m;
+    m.time = (i + 0.5) * grid.bin;
+    m.carriage_velocity = moves ? speeds.carriage : 0.0;
+    m.wheel_rate = moves ? speeds.wheel : 0.0;
+    x += m.carriage_velocity * grid.bin;
+    angle += m.wheel_rate * grid.bin;
+    m.carriage_position = x;
+    m.wheel_angle = angle;
+    m.load = load;
+    grid.motion.push_back(m);
+    grid.moving.push_back(moves);
+  }
+  return grid;
+}
+
+TwinConfig some_twin() {
+  TwinConfig twin;
+  twin.wheel.grousers = 16;
+  twin.wheel.grouser_height = 0.007;
+  twin.wheel.stiffness = 24500.0;
+  twin.soil.c1 = 0.2;
+  twin.start_up = 0.2;
+  return twin;
+}
+
+/// Fluctuation of first order about a value.
+void add_noise(RunGrid& grid, const NoiseModel& noise, Random& random) {
+  for (int c = 0; c < channel_rows; ++c) {
+    const ChannelNoise& n = noise[static_cast<std::size_t>(c)];
+    double value = n.deviation * random.normal();
+    for (int i = 0; i < grid.bins(); ++i) {
+      value = n.keep * value + n.deviation * std::sqrt(1.0 - n.keep * n.keep) * random.normal();
+      grid.measured(c, i) += grid.moving[static_cast<std::size_t>(i)] ? value : n.rest * random.normal();
+    }
+  }
+}
+
+NoiseModel rig_noise() {
+  const double deviation[] = {0.25, 0.04, 0.08, 2e-4, 0.04, 0.01};
+  NoiseModel noise;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    noise[c].deviation = deviation[c];
+    noise[c].keep = 0.4;
+    noise[c].rest = 0.1 * deviation[c];
+    noise[c].rest_offset = 0.1 * deviation[c];
+  }
+  return noise;
+}
+
+TEST(LeastSquares, FindsALineWithItsCovariance) {
+  // y = a + b t at t = 0..9 with unit noise: cov = (A^T A)^-1, sum t = 45, sum t^2 = 285, determinant
+  // 10*285-45^2 = 825.
+  const ResidualFunction line = [](const std::vector<double>& x, std::vector<double>& out) {
+    for (int t = 0; t < 10; ++t) out.push_back(x[0] + x[1] * t - (2.0 + 0.5 * t));
+    return true;
+  };
+  const FitResult fit = least_squares({{"a", 0.0}, {"b", 0.0}}, line);
+  ASSERT_TRUE(fit.usable);
+  EXPECT_NEAR(fit.x[0], 2.0, 1e-5);
+  EXPECT_NEAR(fit.x[1], 0.5, 1e-5);
+  EXPECT_NEAR(fit.covariance(0, 0), 285.0 / 825.0, 1e-4);
+  EXPECT_NEAR(fit.covariance(0, 1), -45.0 / 825.0, 1e-4);
+}
+
+TEST(LeastSquares, StaysInBoundsAndHearsThePrior) {
+  const ResidualFunction pull = [](const std::vector<double>& x, std::vector<double>& out) {
+    out.push_back(x[0] - 10.0);
+    return true;
+  };
+  Unknown u{"a", 0.5};
+  u.upper = 3.0;
+  EXPECT_NEAR(least_squares({u}, pull).x[0], 3.0, 1e-6);
+  Unknown with_prior{"a", 0.5};
+  with_prior.prior_deviation = 1.0;  // equal weights of prior 0 and data 10
+  EXPECT_NEAR(least_squares({with_prior}, pull).x[0], 5.0,
+              2e-3);  // stops when the cost changes by 1e-5 of it
+}
+
+TEST(LeastSquares, SaysWhenTheStartCannotBeSimulated) {
+  const ResidualFunction never = [](const std::vector<double>&, std::vector<double>&) { return false; };
+  EXPECT_FALSE(least_squares({{"a", 0.0}}, never).usable);
+}
+
+TEST(Noise, EstimatesAnAutoregressiveProcess) {
+  RunGrid grid = steady_run(0.2, 42.1, 4000);
+  Random random(3);
+  const NoiseModel truth = rig_noise();
+  add_noise(grid, truth, random);
+  const Residual residual = residual_of(grid, Predicted::Zero(channel_rows, grid.bins()));
+  const NoiseModel found = estimate_noise({&grid}, {residual}, NoiseFloor{});
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    // 4000 bins with correlation 0.4: about 1.5 % for the deviation, doubled for the robust estimate; the
+    // slow level that is removed takes a few per cent of a correlated process.
+    EXPECT_NEAR(found[c].deviation / truth[c].deviation, 1.0, 0.08) << c;
+    EXPECT_NEAR(found[c].keep, 0.4, 0.08) << c;
+  }
+}
+
+TEST(Noise, WhitenedNoiseHasUnitVarianceWithAndWithoutAnOffset) {
+  Random random(5);
+  for (const double offset : {0.0, 0.5}) {
+    NoiseModel noise = rig_noise();
+    double sum = 0.0;
+    int count = 0;
+    for (int run = 0; run < 200; ++run) {
+      RunGrid grid = steady_run(0.2, 42.1);
+      add_noise(grid, noise, random);
+      for (int c = 0; c < channel_rows; ++c) {
+        const double shift = offset * noise[static_cast<std::size_t>(c)].deviation * random.normal();
+        for (int i = 10; i < grid.bins(); ++i) grid.measured(c, i) += shift;
+      }
+      NoiseModel with_offset = noise;
+      for (ChannelNoise& n : with_offset) n.run_offset = offset * n.deviation, n.rest_offset = 0.0;
+      std::vector<double> whitened;
+      whiten(grid, residual_of(grid, Predicted::Zero(channel_rows, grid.bins())), with_offset, whitened);
+      for (const double w : whitened) sum += w * w;
+      count += static_cast<int>(whitened.size());
+    }
+    // 144000 values: standard error of the mean square 0.004.
+    EXPECT_NEAR(sum / count, 1.0, 0.015) << offset;
+  }
+}
+
+TEST(Lag, FindsTheDelayOfTheDrawWire) {
+  Random random(9);
+  run_log::RunLog log;
+  log.epoch = 1.7e9;
+  double value = 0.0;
+  const double delay = 0.13;
+  for (int i = 0; i < 3000; ++i) {
+    value = 0.95 * value + random.normal();
+    log.ft.time.push_back(0.02 * i);
+    log.ft.force.emplace_back(-value, 0.0, 42.0);
+    log.ft.torque.emplace_back(0.0, 0.1 * value, 0.0);
+    log.draw_wire.time.push_back(0.02 * i + delay);
+    log.draw_wire.value.push_back(0.01 + 1e-4 * value);
+  }
+  const auto lag = draw_wire_lag(log);
+  ASSERT_TRUE(lag);
+  EXPECT_NEAR(lag->seconds, delay, 0.005);
+  for (auto& d : log.draw_wire.value) d = 0.01 + 1e-4 * random.normal();
+  EXPECT_FALSE(draw_wire_lag(log)) << "nothing in common, nothing to tell";
+}
+
+TEST(TwinFile, ComesBackAsItWasWritten) {
+  TwinConfig twin = some_twin();
+  twin.effects = {{"slide_friction", {3.25}}, {"soft_spoke", {0.001, 0.3, -1.5}}};
+  twin.corrections = {{Channel::hub_displacement, 0.3, 30.0, {0.0, 0.2}, {42.1, 42.1}, {1e-4, -2e-4}}};
+  const std::string path =
+      (std::filesystem::temp_directory_path() / "wheel_twin_twin_file_test.yaml").string();
+  write_twin(twin, path);
+  const TwinConfig read = read_twin(path);
+  EXPECT_EQ(twin_text(read), twin_text(twin));
+  write_file(path, twin_text(twin) + "colour: red\n");
+  try {
+    read_twin(path);
+    FAIL() << "an unknown key was taken";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("colour"));
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Calibration, BringsAWrongSoilToTheReferenceRuns) {
+  TwinConfig truth = some_twin();
+  truth.soil.k_phi *= 2.0;
+  truth.soil.phi = 0.6;
+  std::vector<RunGrid> grids;
+  std::vector<const RunGrid*> runs;
+  Random random(2);
+  for (const double slip : {0.0, 0.2, 0.4, 0.6}) {
+    grids.push_back(steady_run(slip, 42.1));
+    grids.back().measured = simulate(truth, grids.back());
+    add_noise(grids.back(), rig_noise(), random);
+  }
+  for (const RunGrid& grid : grids) runs.push_back(&grid);
+  const Calibration calibration =
+      calibrate(some_twin(), runs, NoiseFloor{0.02, 0.02, 0.02, 2e-5, 4e-4, 2e-3});
+  RunGrid unseen = steady_run(0.3, 42.1);
+  const Predicted expected = simulate(truth, unseen), predicted = simulate(calibration.model, unseen);
+  const int late = unseen.bins() - 5;
+  // A run's mean is known to 0.25 N sqrt(2.3/110) = 0.04 N; between reference slips a few times that.
+  EXPECT_NEAR(predicted(0, late), expected(0, late), 0.25);
+  EXPECT_NEAR(predicted(3, late), expected(3, late), 1e-4);
+}
+
+/// Evidence of five runs in which `truth` acts, and the twin without it.
+struct Trial {
+  std::vector<RunGrid> grids;
+  Evidence evidence;
+
+  Trial(const TwinConfig& truth, std::uint64_t seed) {
+    Random random(seed);
+    for (const double slip : {0.0, 0.15, 0.3, 0.45, 0.6}) {
+      grids.push_back(steady_run(slip, 42.1));
+      grids.back().measured = simulate(truth, grids.back());
+      add_noise(grids.back(), rig_noise(), random);
+    }
+    evidence.baseline = some_twin();
+    evidence.noise = rig_noise();
+    for (ChannelNoise& n : evidence.noise) n.run_offset = 0.2 * n.deviation;
+    for (const RunGrid& grid : grids) {
+      evidence.runs.push_back(&grid);
+      evidence.log_deviation.emplace_back();
+      evidence.calm.emplace_back();
+      evidence.lag.emplace_back();
+    }
+  }
+};
+
+TEST(Certificate, IsGivenToTheEffectThatActsAndToNoneWhenNothingDoes) {
+  TwinConfig tilted = some_twin();
+  tilted.effects = {{"bed_tilt", {0.02}}};
+  const Trial acting(tilted, 11), clean(some_twin(), 12);
+  const std::vector<std::size_t> all = {0, 1, 2, 3, 4};
+  const Candidate found = fit_candidate(acting.evidence, {"bed_tilt"}, all);
+  ASSERT_TRUE(found.usable);
+  EXPECT_NEAR(found.values[0][0], 0.02, 4.0 * found.errors[0][0]);
+  EXPECT_LT(certify(acting.evidence, fit_candidate(acting.evidence, {}, all), found), 1e-3);
+  EXPECT_LT(ask_residual(acting.evidence, some_twin(), false).p, 1e-6);
+  EXPECT_GT(ask_residual(acting.evidence, found.model, false).p, 0.01);
+
+  const Candidate phantom = fit_candidate(clean.evidence, {"bed_tilt"}, all);
+  EXPECT_GT(certify(clean.evidence, fit_candidate(clean.evidence, {}, all), phantom), 0.01);
+  EXPECT_GT(ask_residual(clean.evidence, some_twin(), false).p, 0.01);
+}
+
+}  // namespace
+}  // namespace wheel_twin::twin
