@@ -9,9 +9,8 @@
 namespace wheel_twin::twin {
 namespace {
 
-constexpr double log_deviation_error =
-    0.4;  // of a stretch: few independent values, and what the twin misses
-constexpr double prior_widths = 3.0;  // of a parameter's scale
+constexpr double log_deviation_error = 0.4;  // of a stretch: few independent values, and what the twin misses
+constexpr double prior_widths = 3.0;         // of a parameter's scale
 
 /// Values of several effects one after another.
 struct Layout {

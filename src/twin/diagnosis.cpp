@@ -71,8 +71,8 @@ Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& befo
                  const NoiseModel& noise) {
   std::vector<Predicted> with, without;
   for (const RunGrid* run : runs) {
-    without.push_back(simulate(before, *run));
-    with.push_back(simulate(after, *run));
+    without.push_back(slow_course(before, *run));
+    with.push_back(slow_course(after, *run));
   }
   Errors errors;
   for (const Channel channel : all_channels) {
@@ -325,7 +325,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     // What the best explanation leaves tells the noise better than what the baseline leaves.
     residuals.clear();
     for (const RunGrid* run : measured)
-      residuals.push_back(residual_of(*run, simulate(singles.front().model, *run)));
+      residuals.push_back(residual_of(*run, slow_course(singles.front().model, *run)));
     evidence.noise = common_noise(calibration.noise, estimate_noise(measured, residuals, floor));
     tracing.judge_again(nothing);
     for (Candidate& c : singles) tracing.judge_again(c);

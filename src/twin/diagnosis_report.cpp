@@ -110,7 +110,7 @@ std::string slip_plot(const Diagnosis& d, Channel channel) {
   const double f = shown_factor(channel);
   for (const RunGrid& grid : d.grids) {
     if (grid.declared.role == logs::Role::reference) continue;
-    const Predicted before = simulate(d.before, grid), after = simulate(d.revised, grid);
+    const Predicted before = slow_course(d.before, grid), after = slow_course(d.revised, grid);
     double sums[3] = {}, slip = 0.0;
     int count = 0;
     for (int i = 0; i < grid.bins(); ++i)
@@ -209,7 +209,7 @@ std::string diagnosis_page(const Diagnosis& d) {
   html += "</div><h2>Over time</h2>";
   for (const RunGrid& grid : d.grids) {
     if (grid.declared.role == logs::Role::reference) continue;
-    const Predicted before = simulate(d.before, grid), after = simulate(d.revised, grid);
+    const Predicted before = slow_course(d.before, grid), after = slow_course(d.revised, grid);
     std::string plots;
     for (const Channel channel : all_channels) plots += course_plot(grid, before, after, channel);
     if (!plots.empty())

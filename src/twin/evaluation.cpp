@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.h"
+#include "twin/fluctuation.h"
 #include "twin/run_grid.h"
-#include "twin/simulate.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -60,7 +60,7 @@ std::string evaluate(const TwinConfig& twin, const logs::Experiment& experiment)
                   {"steering_angle", grid.declared.steering_angle}};
     if (!grid.declared.group.empty()) entry["group"] = grid.declared.group;
     try {
-      for (const auto& [channel, value] : channels_of(grid, simulate(twin, grid))) {
+      for (const auto& [channel, value] : channels_of(grid, slow_course(twin, grid))) {
         entry[std::string(name_of(channel))] = {{"measured", value.measured}, {"twin", value.twin}};
         sums[channel].squares += value.error * value.error;
         ++sums[channel].runs;

@@ -20,8 +20,6 @@ LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fl
   return simulated;
 }
 
-/// A slide that sticks on an even bed stays where it was put; on a real one the unevenness works it loose.
-/// Its slow course is that of a slide without friction.
 TwinConfig without_friction(TwinConfig model) {
   const auto sticks = [](const EffectSetting& setting) {
     const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
@@ -132,6 +130,10 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
   return fluctuation;
 }
 
+Predicted slow_course(const TwinConfig& model, const RunGrid& grid) {
+  return simulate(without_friction(model), grid);
+}
+
 Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
                                  const FluctuationModel& fluctuation) {
   constexpr std::uint64_t beds = 2;
@@ -143,7 +145,7 @@ Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
     deviations.push_back(log_deviation(grid, simulate(model, grid, unevenness)));
   }
   result.log_deviation = with_other_noise(mean_of(deviations), fluctuation);
-  result.course = simulate(without_friction(model), grid);
+  result.course = slow_course(model, grid);
   return result;
 }
 

@@ -36,9 +36,13 @@ struct FluctuationModel {
 FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
                                  const std::vector<Residual>& residuals);
 
+/// The course that a twin foretells: on a real bed unevenness works a slide with friction loose, so that its
+/// slow course is that of a slide without.
+Predicted slow_course(const TwinConfig& model, const RunGrid& grid);
+
 /// A twin on an uneven bed.
 struct Fluctuating {
-  Predicted course;  ///< slow course, deterministic; friction of the guide works loose and is left out
+  Predicted course;            ///< slow course, as of slow_course
   LogDeviation log_deviation;  ///< mean of several beds
 };
 Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
