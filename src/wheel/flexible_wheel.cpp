@@ -21,8 +21,9 @@ struct FlexibleWheel::Impl {
     stable = rigid ? 1.0e9 : stability_limit();
   }
 
-  /// 90 % of the longest step that no mode outgrows. One step takes a mode with w = omega h and a = zeta w (dampers
-  /// seen at both half-steps) through a matrix of determinant (1 - a)^2 and trace 1 + (1 - a)^2 - w^2 (2 - a)/2.
+  /// 90 % of the longest step that no mode outgrows. One step takes a mode with w = omega h and a = zeta w
+  /// (dampers seen at both half-steps) through a matrix of determinant (1 - a)^2 and trace 1 + (1 - a)^2 -
+  /// w^2 (2 - a)/2.
   double stability_limit() {
     const double highest = system.highest_frequency();
     if (!(highest > 0.0)) return 1.0e9;

@@ -46,7 +46,9 @@ double PlanarSystem::elastic_energy() const {
     const Vec2 radial = arm(bodies_, spring.direction);
     const double u_r = dot(u, radial);
     const double u_t = dot(u, perp(radial));
-    energy += 0.5 * (spring.radial * u_r * u_r + spring.tangential * u_t * u_t);
+    const double turn = angle_[spring.body] - angle_[bodies_] - parts_.bodies[spring.body].angle;
+    energy +=
+        0.5 * (spring.radial * u_r * u_r + spring.tangential * u_t * u_t + spring.turning * turn * turn);
   }
   return energy;
 }
@@ -97,7 +99,7 @@ double PlanarSystem::highest_frequency() {
       const Vec2 f =
           spring.radial * dot(d, radial) * radial + spring.tangential * dot(d, tangential) * tangential;
       a[spring.body].position = a[spring.body].position + f;
-      a[spring.body].angle += dot(perp(r), f);
+      a[spring.body].angle += dot(perp(r), f) + spring.turning * u[spring.body].angle;
     }
     for (int i = 0; i < bodies_; ++i) {
       a[i].position = inverse_mass_[i] * a[i].position;
@@ -153,7 +155,7 @@ const double* get(const double* in, std::vector<Vec2>& values) {
 }  // namespace
 
 std::size_t PlanarSystem::state_size() const {
-  return 8 * (bodies_ + 1) + 2 * warm_.size() + 6;
+  return 11 * (bodies_ + 1) + 2 * warm_.size() + 7;
 }
 
 void PlanarSystem::save(std::vector<double>& out) const {
@@ -164,6 +166,10 @@ void PlanarSystem::save(std::vector<double>& out) const {
   out.insert(out.end(), cosine_.begin(), cosine_.end());
   out.insert(out.end(), sine_.begin(), sine_.end());
   put(out, warm_);
+  for (const PlanarForce& force : previous_external_) {
+    out.insert(out.end(), {force.force.x, force.force.z, force.torque});
+  }
+  out.push_back(previous_half_step_);
   for (const bool free : hub_free_) out.push_back(free ? 1.0 : 0.0);
   out.push_back(gravity_);
   out.push_back(relaxation_);
@@ -178,6 +184,11 @@ const double* PlanarSystem::restore(const double* in) {
   for (double& cosine : cosine_) cosine = *in++;
   for (double& sine : sine_) sine = *in++;
   in = get(in, warm_);
+  for (PlanarForce& force : previous_external_) {
+    force = {{in[0], in[1]}, in[2]};
+    in += 3;
+  }
+  previous_half_step_ = *in++;
   for (bool& free : hub_free_) free = *in++ != 0.0;
   gravity_ = *in++;
   relaxation_ = *in++;

@@ -52,6 +52,7 @@ PlanarSystem::PlanarSystem(Parts parts)
   elastic_.resize(n);
   damping_.resize(n);
   external_.resize(n);
+  previous_external_.resize(n);
   const std::size_t joints = parts_.joints.size();
   arms_.resize(2 * joints);
   old_arms_.resize(2 * joints);
@@ -85,6 +86,7 @@ void PlanarSystem::place(const PlanarPose& hub) {
   rate_[bodies_] = hub.rate;
   std::fill(warm_.begin(), warm_.end(), Vec2{});
   clear_external();
+  previous_half_step_ = 0.0;
   hub_impulse_ = {};
   dissipated_ = 0.0;
   turn_arms();
@@ -175,9 +177,11 @@ void PlanarSystem::elastic_forces() {
     const Vec2 f =
         -spring.radial * dot(u, radial) * radial - spring.tangential * dot(u, tangential) * tangential;
     elastic_[spring.body].force = elastic_[spring.body].force + f;
-    elastic_[spring.body].torque += dot(perp(r), f);
+    const double torque =
+        -spring.turning * (angle_[spring.body] - angle_[h] - parts_.bodies[spring.body].angle);
+    elastic_[spring.body].torque += dot(perp(r), f) + torque;
     elastic_[h].force = elastic_[h].force - f;
-    elastic_[h].torque -= dot(perp(d), f);
+    elastic_[h].torque -= dot(perp(d), f) + torque;
   }
 }
 
@@ -202,10 +206,12 @@ double PlanarSystem::damping_forces() {
     const Vec2 f = -parts_.damping_time * (spring.radial * dot(rate, radial) * radial +
                                            spring.tangential * dot(rate, tangential) * tangential);
     damping_[spring.body].force = damping_[spring.body].force + f;
-    damping_[spring.body].torque += dot(perp(r), f);
+    const double turning = rate_[spring.body] - rate_[h];
+    const double torque = -parts_.damping_time * spring.turning * turning;
+    damping_[spring.body].torque += dot(perp(r), f) + torque;
     damping_[h].force = damping_[h].force - f;
-    damping_[h].torque -= dot(perp(d), f);
-    power -= dot(f, rate);
+    damping_[h].torque -= dot(perp(d), f) + torque;
+    power -= dot(f, rate) + torque * turning;
   }
   return power;
 }
@@ -218,7 +224,7 @@ PlanarPose PlanarSystem::rigid_reference() const {
   return reference;
 }
 
-void PlanarSystem::kick(double half_step) {
+void PlanarSystem::kick(double half_step, double correction) {
   dissipated_ += half_step * damping_forces();
   const PlanarPose reference = rigid_reference();
   const int h = bodies_;
@@ -229,8 +235,9 @@ void PlanarSystem::kick(double half_step) {
       hub_impulse_.force = hub_impulse_.force + half_step * force;
       hub_impulse_.torque += half_step * torque;
     }
-    force = force + external_[i].force;
-    torque += external_[i].torque;
+    const double more = correction / half_step;
+    force = force + external_[i].force + more * (external_[i].force - previous_external_[i].force);
+    torque += external_[i].torque + more * (external_[i].torque - previous_external_[i].torque);
     Vec2 acceleration{force.x * inverse_mass_[i], force.z * inverse_mass_[i] - gravity_};
     double angular = torque * inverse_inertia_[i];
     if (relaxation_ > 0.0) {
@@ -336,7 +343,12 @@ void PlanarSystem::constraint_impulse(const std::vector<Vec2>& s, double positio
 
 void PlanarSystem::step(double h, const PlanarPose& hub_at_end) {
   const int hub = bodies_;
-  kick(0.5 * h);
+  // Velocity Verlet wants the last step's second half-kick with the force at its end, which the caller knows
+  // only now (a contact's, say): the difference is made up for here. Without it a contact spring would feed
+  // energy.
+  kick(0.5 * h, previous_half_step_);
+  previous_external_ = external_;
+  previous_half_step_ = 0.5 * h;
   // The hub moves along its prescription; in its free directions like any body.
   const PlanarPose before = pose(hub);
   if (!hub_free_[0]) v_[hub].x = (hub_at_end.position.x - before.position.x) / h;
@@ -370,7 +382,7 @@ void PlanarSystem::step(double h, const PlanarPose& hub_at_end) {
     turn_arms();
   }
   elastic_forces();
-  kick(0.5 * h);
+  kick(0.5 * h, 0.0);
   if (!hub_free_[0]) v_[hub].x = hub_at_end.velocity.x;
   if (!hub_free_[1]) v_[hub].z = hub_at_end.velocity.z;
   if (!hub_free_[2]) rate_[hub] = hub_at_end.rate;

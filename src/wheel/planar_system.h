@@ -34,6 +34,7 @@ struct PlanarSpring {
   Vec2 direction;           ///< unit vector, hub axes: radial
   double radial = 0.0;      ///< N/m
   double tangential = 0.0;  ///< N/m
+  double turning = 0.0;     ///< N m/rad against the body's turning relative to the hub
 };
 
 struct PlanarPose {
@@ -100,7 +101,7 @@ class PlanarSystem {
   double close_gaps();
   void elastic_forces();
   double damping_forces();  ///< returns the power they take, W
-  void kick(double half_step);
+  void kick(double half_step, double correction);
   void factorize();
   void solve(std::vector<Vec2>& s);
   void constraint_impulse(const std::vector<Vec2>& s, double position_factor, double velocity_factor,
@@ -116,7 +117,8 @@ class PlanarSystem {
   std::vector<double> mass_, inertia_, inverse_mass_, inverse_inertia_;  // hub last
   std::vector<Vec2> x_, v_;
   std::vector<double> angle_, rate_, cosine_, sine_, turned_;
-  std::vector<PlanarForce> elastic_, damping_, external_;
+  std::vector<PlanarForce> elastic_, damping_, external_, previous_external_;
+  double previous_half_step_ = 0.0;  // 0: no step since place()
   std::vector<double> rest_angle_;
   std::vector<Vec2> rest_point_;  // of springs, hub axes
   std::vector<Vec2> arms_, old_arms_, gaps_, warm_;

@@ -90,9 +90,14 @@ void add_springs(const WheelModel& model, BuiltWheel& built) {
       spring.at_body = built.segments[place.segment].reference + Vec2{place.offset, 0.0};
       spring.direction = direction(angle);
       spring.radial = factor * model.springs.radial_stiffness;
-      spring.tangential = factor * model.springs.tangential_stiffness;
       built.beams.push_back({position, set, static_cast<int>(built.parts.springs.size()), -1, -1, angle});
       built.parts.springs.push_back(spring);
+      PlanarSpring across = spring;
+      across.radial = 0.0;
+      across.at_body.z -= model.springs.tangential_depth;
+      across.tangential = factor * model.springs.tangential_stiffness;
+      across.turning = factor * model.springs.turning_stiffness;
+      if (across.tangential > 0.0 || across.turning > 0.0) built.parts.springs.push_back(across);
     }
   }
 }

@@ -61,6 +61,8 @@ void read_springs(const yaml::Map& map, Springs& springs) {
   springs.sets = static_cast<int>(map.integer("sets", 1, 8));
   springs.radial_stiffness = map.number("radial_stiffness", yaml::positive());
   springs.tangential_stiffness = map.number("tangential_stiffness", yaml::non_negative());
+  springs.tangential_depth = map.number("tangential_depth", {0.0, 5.0});
+  springs.turning_stiffness = map.number("turning_stiffness", yaml::non_negative());
   map.finish();
 }
 
@@ -160,6 +162,7 @@ void check(const WheelModel& model) {
   not_negative(model.rim_joint_stiffness, "rim joint stiffness");
   not_negative(model.springs.radial_stiffness, "radial stiffness");
   not_negative(model.springs.tangential_stiffness, "tangential stiffness");
+  not_negative(model.springs.turning_stiffness, "turning stiffness");
   not_negative(model.beams.joint_stiffness, "beam joint stiffness");
   not_negative(model.damping_ratio, "damping ratio");
   if (model.damping_ratio > 0.0) positive(model.damping_frequency, "damping frequency");

@@ -37,6 +37,8 @@ struct Springs {
   int sets = 2;                       ///< at every position, side by side along the axle
   double radial_stiffness = 4980.0;   ///< N/m, each
   double tangential_stiffness = 0.0;  ///< N/m, each
+  double tangential_depth = 0.0;   ///< m inward from the rim: where the tangential spring holds the segment
+  double turning_stiffness = 0.0;  ///< N m/rad, each, against the segment's turning relative to the hub
 };
 
 struct Beams {
