@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "base/error.h"
 
@@ -151,7 +152,7 @@ Rolling roll(const WheelModel& model, double load, double speed, double settle, 
   wheel.set_freedom({false, true, false});
   wheel.set_hub_load({{0.0, 0.0, -load}, Vector3d::Zero()});
   RigidFloor floor(wheel, {0.0, 5.0e5, floor_damping, 0.8});
-  const double dt = std::min(1.0e-5, wheel.stable_step());
+  const double dt = std::min(2.0e-5, wheel.stable_step());
   wheel.relax(dt, 150.0, 1.0e-5, 500000, [&](FlexibleWheel& w) { floor.press(w, dt); });
   hub = wheel.hub();
   wheel.set_freedom({false, true, true});
@@ -177,9 +178,68 @@ Rolling roll(const WheelModel& model, double load, double speed, double settle, 
     rolling.dissipated = wheel.energy().dissipated - start_energy;
     const HubMotion now = wheel.hub();
     if (i % every == 0)
-      rolling.samples.push_back({hub.position.x(), now.position.z(), force.x(), force.z(), now.rate});
+      rolling.samples.push_back({hub.position.x(), now.position.z(), force.x(), force.z(), now.angle});
   }
   return rolling;
+}
+
+RollingMeans means(const Rolling& rolling) {
+  RollingMeans mean;
+  const auto& samples = rolling.samples;
+  const auto n = static_cast<double>(samples.size());
+  for (const RollingSample& sample : samples) {
+    mean.hub_height += sample.hub_height / n;
+    mean.thrust += sample.thrust / n;
+  }
+  const double distance = samples.back().distance - samples.front().distance;
+  mean.resistance = rolling.dissipated / distance;
+  mean.radius = distance / (samples.back().angle - samples.front().angle);
+  return mean;
+}
+
+double ripple(const Rolling& rolling, double per_revolution) {
+  // Whole periods only, and no mean, so that neither leaks into the harmonic.
+  const double period = 2.0 * M_PI / per_revolution;
+  const double start = rolling.samples.front().angle;
+  const double end = start + period * std::floor((rolling.samples.back().angle - start) / period);
+  const double mean = means(rolling).hub_height;
+  double c = 0.0, s = 0.0;
+  for (std::size_t i = 1; i < rolling.samples.size() && rolling.samples[i].angle <= end; ++i) {
+    const RollingSample& sample = rolling.samples[i];
+    const double weight = sample.angle - rolling.samples[i - 1].angle;
+    c += weight * (sample.hub_height - mean) * std::cos(per_revolution * sample.angle);
+    s += weight * (sample.hub_height - mean) * std::sin(per_revolution * sample.angle);
+  }
+  return 2.0 * std::hypot(c, s) / (end - start);
+}
+
+double height_at(const Rolling& rolling, double angle, double half_window) {
+  double sum = 0.0;
+  int count = 0;
+  for (const RollingSample& sample : rolling.samples) {
+    if (std::abs(std::remainder(sample.angle - angle, 2.0 * M_PI)) > half_window) continue;
+    sum += sample.hub_height;
+    ++count;
+  }
+  if (count == 0) throw Error("the wheel did not pass this angle");
+  return sum / count;
+}
+
+double finite_element_drop(const std::string& name, double load) {
+  const std::string path =
+      std::string(WHEEL_TWIN_SOURCE_DIR) + "/test/verification/wheel/calculix/reference/" + name + ".csv";
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  double drop = 0.0, force = 0.0, drop_before = 0.0, force_before = 0.0;
+  char comma = 0;
+  while (file >> drop >> comma >> force) {
+    if (force >= load)
+      return drop_before + (drop - drop_before) * (load - force_before) / (force - force_before);
+    drop_before = drop;
+    force_before = force;
+  }
+  throw Error(path + ": does not reach the load");
 }
 
 }  // namespace wheel_twin::wheel

@@ -40,7 +40,7 @@ struct RollingSample {
   double hub_height = 0.0;  ///< m
   double thrust = 0.0;      ///< N, floor on wheel along travel
   double normal = 0.0;      ///< N
-  double rate = 0.0;        ///< rad/s
+  double angle = 0.0;       ///< of the wheel, rad
 };
 struct Rolling {
   std::vector<RollingSample> samples;
@@ -50,5 +50,21 @@ struct Rolling {
 /// are not kept. `friction` is the floor's; `floor_damping` N s/m a corner.
 Rolling roll(const WheelModel& model, double load, double speed, double settle, double distance,
              double floor_damping = 0.0);
+
+struct RollingMeans {
+  double hub_height = 0.0;  ///< m
+  double thrust = 0.0;      ///< N
+  double resistance = 0.0;  ///< N: the dampers' work over the distance
+  double radius = 0.0;      ///< m rolled per radian
+};
+RollingMeans means(const Rolling& rolling);
+/// Amplitude (m) of the hub height's harmonic with `per_revolution` periods a turn.
+double ripple(const Rolling& rolling, double per_revolution);
+/// Hub height (m) where the wheel's angle is `angle` modulo a turn, mean within `half_window` rad.
+double height_at(const Rolling& rolling, double angle, double half_window);
+
+/// A reference curve of test/verification/wheel/calculix/reference: hub drop (m) at a load (N), by
+/// interpolation.
+double finite_element_drop(const std::string& name, double load);
 
 }  // namespace wheel_twin::wheel

@@ -19,10 +19,11 @@ void strike(FlexibleWheel& wheel, double dt) {
   wheel.place(hub);
   wheel.set_freedom({true, true, true});
   for (int i = 0; i < 200; ++i) {
-    wheel.apply(5, {0.0, 0.0, 5.0}, Eigen::Vector3d::Zero());
+    wheel.apply(5, {0.0, 0.0, 12.0}, Eigen::Vector3d::Zero());
     wheel.apply(37, {2.0, 0.0, 0.0}, {0.0, 0.02, 0.0});
     wheel.step(dt, {});
   }
+  wheel.step(dt, {});  // the last force ends within this step
 }
 
 Drift spin(FlexibleWheel& wheel, double dt, double seconds) {

@@ -5,7 +5,7 @@ Half a wheel (symmetry about the vertical plane through the axle), AMALIA also h
 The hub, rigid, is pressed down by a prescribed displacement; every node of the rim near the floor has a spring to the
 ground that is slack until the node reaches the floor. Units: mm, N, MPa.
 
-  wheel_decks.py NAME OUT.csv [--rim beam|shell] [--drop MM] [--changed POSITION --factor F]
+  wheel_decks.py NAME OUT.csv [--rim beam|shell] [--drop MM] [--between] [--changed POSITION --factor F]
 
 writes the deck, runs ccx and writes hub drop (m) and load (N).
 """
@@ -18,7 +18,7 @@ import subprocess
 import tempfile
 
 E_MODULUS, NU = 200000.0, 0.3
-CONTACT = 2.0e4  # N/mm a node
+CONTACT = 5.0e3  # N/mm a node
 NAMES = ("amalia", "t0_r0")
 
 
@@ -105,7 +105,14 @@ def floor(deck, nodes, radius, reach, share):
             deck.springs.append((node, z + radius, share(node)))
 
 
-def amalia(rim, missing, factor):
+def positions(between):
+    """Half the wheel's strips or beams: (number from the bottom, angle, in the plane of symmetry)."""
+    if between:
+        return [(k, math.pi * (k + 0.5) / 8, False) for k in range(8)]
+    return [(k, math.pi * k / 8, k in (0, 8)) for k in range(9)]
+
+
+def amalia(rim, between, changed, factor):
     """Rim 180 mm by 70 mm, 0.4 mm sheet; a strip from hub to rim at 16 positions on each side, bent to a semicircle of
     27.5 mm in the plane through the axle, as wide as makes its radial stiffness 4.98 N/mm, clamped at both ends."""
     radius, half_width, t, a = 90.0, 35.0, 0.4, 27.5
@@ -142,16 +149,14 @@ def amalia(rim, missing, factor):
         floor(deck, grid.values(), radius, 0.6, lambda n: 0.2)
         edge = {i: grid[i, 2 * across] for i in range(0, 2 * elements + 1)}
         y0 = half_width
-    pitch = 2 * elements // 8
-    for position in range(9):
-        share = 0.5 if position in (0, 8) else 1.0
-        if position == missing:
+    for position, angle, in_plane in positions(between):
+        share = 0.5 if in_plane else 1.0
+        if position == changed:
             share *= factor
         if share == 0.0:
             continue
-        angle = math.pi * position / 8
         (ox, oz), (tx, tz) = radial(angle)
-        end = edge[position * pitch]
+        end = edge[round(2 * elements * angle / math.pi)]
         chain = []
         pieces = 48
         for k in range(pieces + 1):
@@ -161,18 +166,22 @@ def amalia(rim, missing, factor):
             chain.append(end if k == pieces else deck.node(r * ox, y, r * oz))
         # A strip in the plane of symmetry counts half; a softer one is thinner in width.
         deck.beam(chain, strip * share, t, (tx, 0.0, tz), f"STRIP{position}")
-        hub = chain[0]
-        deck.hub.append(hub)
-        deck.fix(hub, 1, 2, 4, 5, 6)
+        # A clamp holds the whole section of the strip, warping too: the stub across makes the joint rigid.
+        r, s0 = radius - 2 * a, 2.0
+        stub = [deck.node(r * ox + k * s0 * tx, y0, r * oz + k * s0 * tz) if k else chain[0] for k in (-1, 0, 1)]
+        deck.beam(stub, half_width, t, (0.0, 1.0, 0.0), f"STUB{position}")
+        for node in stub:
+            deck.hub.append(node)
+            deck.fix(node, 1, 2, 4, 5, 6)
         if rim == "beam":
             deck.fix(end, 4, 6)
-        if position in (0, 8):
+        if in_plane:
             for node in chain[1:-1]:
                 deck.fix(node, 1)
     return deck, 4.0
 
 
-def t0_r0(rim, missing, factor):
+def t0_r0(rim, between, changed, factor):
     """Rim 260 mm by 120 mm, 0.3 mm sheet; at 16 positions two semicircular beams of 40 mm radius and 50 mm width in the
     wheel's plane, curled to opposite sides, clamped at both ends."""
     if rim != "beam":
@@ -182,17 +191,15 @@ def t0_r0(rim, missing, factor):
     elements = 64
     chain = beam_rim(deck, radius, width, t, elements)
     floor(deck, chain, radius, 0.9, lambda n: 1.0)
-    pitch = 2 * elements // 8
-    for position in range(9):
-        share = factor if position == missing else 1.0
+    for position, angle, in_plane in positions(between):
+        share = factor if position == changed else 1.0
         if share == 0.0:
             continue
-        angle = math.pi * position / 8
         (ox, oz), (tx, tz) = radial(angle)
-        end = chain[position * pitch]
+        end = chain[round(2 * elements * angle / math.pi)]
         for curl in (1.0, -1.0):
             # Of the two beams in the plane of symmetry the half wheel keeps the one on its side.
-            if (position == 0 and curl < 0) or (position == 8 and curl > 0):
+            if in_plane and curl * (4 - position) < 0:
                 continue
             nodes = []
             pieces = 48
@@ -208,9 +215,9 @@ def t0_r0(rim, missing, factor):
     return deck, 2.0
 
 
-def run(name, rim, drop, increments, missing, factor):
+def run(name, rim, drop, increments, between=False, changed=-1, factor=1.0):
     """Rows of hub drop (m) and load (N)."""
-    deck, copies = {"amalia": amalia, "t0_r0": t0_r0}[name](rim, missing, factor)
+    deck, copies = {"amalia": amalia, "t0_r0": t0_r0}[name](rim, between, changed, factor)
     folder = tempfile.mkdtemp(prefix="wheel_ccx_")
     try:
         deck.write(os.path.join(folder, "wheel.inp"), drop, increments)
@@ -239,11 +246,13 @@ def main():
     parser.add_argument("--rim", choices=("beam", "shell"), default="beam")
     parser.add_argument("--drop", type=float, help="mm")
     parser.add_argument("--increments", type=int, default=20)
+    parser.add_argument("--between", action="store_true", help="the floor between two positions, not at one")
     parser.add_argument("--changed", type=int, default=-1, metavar="POSITION", help="from the bottom")
     parser.add_argument("--factor", type=float, default=1.0, help="on the stiffness of the changed position")
     arguments = parser.parse_args()
     drop = arguments.drop or {"amalia": 4.0, "t0_r0": 16.0}[arguments.name]
-    rows = run(arguments.name, arguments.rim, drop, arguments.increments, arguments.changed, arguments.factor)
+    rows = run(arguments.name, arguments.rim, drop, arguments.increments, arguments.between, arguments.changed,
+               arguments.factor)
     with open(arguments.out, "w", newline="") as out:
         writer = csv.writer(out)
         writer.writerow(["drop_m", "load_n"])

@@ -1,0 +1,86 @@
+// The whole wheels on a hard floor, standing and rolling, against CalculiX (calculix/wheel_decks.py; large
+// deflection, wide sheets bend as plates) and against what rolling must do. 8.9 % and 6.21 %: the paper's
+// largest differences between its multibody and its finite-element model, Sections 6.2 and 8.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "cases.h"
+
+namespace wheel_twin::wheel {
+namespace {
+
+TEST(Standing, AmaliaWithinThePapersErrorOfFiniteElements) {
+  for (const Bending bending : {Bending::printed, Bending::beam, Bending::plate}) {
+    const WheelModel model = configured_wheel("amalia", bending);
+    for (const double load : {20.0, 42.1, 61.7}) {
+      const double twin = standing_deflection(model, load);
+      EXPECT_NEAR(twin / finite_element_drop("amalia", load), 1.0, 0.089)
+          << load << " N, bending " << static_cast<int>(bending);
+    }
+  }
+}
+
+TEST(Standing, AmaliaBetweenTwoSprings) {
+  const double twin = standing_deflection(configured_wheel("amalia", Bending::plate), 42.1, M_PI / 16.0);
+  EXPECT_NEAR(twin / finite_element_drop("amalia_between", 42.1), 1.0, 0.089);
+}
+
+TEST(Standing, T0R0WithinThePapersErrorOfFiniteElements) {
+  const double fe = finite_element_drop("t0_r0", 81.75);
+  EXPECT_NEAR(standing_deflection(configured_wheel("t0_r0", Bending::printed), 81.75) / fe, 1.0, 0.089);
+}
+
+class RollingAmalia : public ::testing::Test {
+ protected:
+  static constexpr double kLoad = 42.1, kSpeed = 0.1, kSettle = 0.05, kPitch = 2.0 * M_PI * 0.0895 / 16.0;
+  static Rolling run(double damping, int segments) {
+    WheelModel model = configured_wheel("amalia", Bending::plate, segments);
+    model.damping_ratio = damping;
+    return roll(model, kLoad, kSpeed, kSettle, 2.5 * kPitch, 5.0);
+  }
+};
+
+TEST_F(RollingAmalia, SteadyHubHeightIsTheFiniteElementOne) {
+  const RollingMeans mean = means(run(0.02, 64));
+  const double fe =
+      0.5 * (finite_element_drop("amalia", kLoad) + finite_element_drop("amalia_between", kLoad));
+  EXPECT_NEAR((0.0902 - mean.hub_height) / fe, 1.0, 0.0621);
+  EXPECT_LT(std::abs(mean.thrust), 1e-3 * kLoad) << "free rolling pulls";
+  EXPECT_LT(mean.radius, 0.0902);
+  EXPECT_GT(mean.radius, mean.hub_height);
+}
+
+TEST_F(RollingAmalia, ResistanceFallsToZeroWithDamping) {
+  const double strong = means(run(0.04, 64)).resistance;
+  const double weak = means(run(0.01, 64)).resistance;
+  const double none = means(run(0.0, 64)).resistance;
+  EXPECT_GT(strong, 1.5 * weak);
+  EXPECT_EQ(none, 0.0);
+}
+
+TEST_F(RollingAmalia, RippleOfTheSegmentsVanishesWithTheirCount) {
+  const double coarse = ripple(run(0.02, 32), 32.0);
+  const double medium = ripple(run(0.02, 64), 64.0);
+  EXPECT_LT(medium, 0.5 * coarse);
+}
+
+// A strip of half the stiffness: the hub dips once a turn, by what the finite-element wheel drops more on it.
+TEST(SoftStrip, DipsOnceATurnByTheRightAmount) {
+  WheelModel model = configured_wheel("amalia", Bending::plate);
+  model.faults = {{8, 0, 0.5}, {8, 1, 0.5}};  // at the bottom of the unturned wheel
+  const double fe = finite_element_drop("amalia_soft_strip", 42.1) - finite_element_drop("amalia", 42.1);
+  WheelModel sound = model;
+  sound.faults.clear();
+  const double standing = standing_deflection(model, 42.1) - standing_deflection(sound, 42.1);
+  EXPECT_NEAR(standing / fe, 1.0, 0.089);
+  const Rolling rolling = roll(model, 42.1, 0.3, 0.05, 2.0 * M_PI * 0.092, 20.0);
+  const double pitch = M_PI / 8.0;
+  double others = 0.0;
+  for (int k = 3; k <= 13; ++k) others += height_at(rolling, k * pitch, 0.03) / 11.0;
+  const double dip = others - height_at(rolling, 0.0, 0.03);
+  EXPECT_NEAR(dip / standing, 1.0, 0.25) << "rolling over it at 0.3 m/s, vibration included";
+}
+
+}  // namespace
+}  // namespace wheel_twin::wheel
