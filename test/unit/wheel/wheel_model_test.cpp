@@ -58,7 +58,7 @@ TEST(WheelModel, ReadsThePapersWheels) {
   const WheelModel amalia = wheel_file("amalia");
   EXPECT_EQ(amalia.segments, 64);
   EXPECT_EQ(amalia.springs.positions * amalia.springs.sets, 32);
-  EXPECT_EQ(amalia.springs.radial_stiffness, 4980.0);
+  EXPECT_EQ(2.0 * amalia.springs.radial_stiffness, 4980.0);  // a pair, Section 6.2
   const WheelModel t0_r0 = wheel_file("t0_r0");
   EXPECT_EQ(FlexibleWheel(t0_r0).body_count(), 64 + 384);
   EXPECT_NEAR(t0_r0.beams.joint_stiffness * kPerDegree, 47.61, 0.01);

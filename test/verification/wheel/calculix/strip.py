@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Stiffness of one side strip of the AMALIA wheel, clamped at hub and rim, from a CalculiX shell model.
 
-The strip is a semicircle of 27.5 mm in the plane through the axle, 0.4 mm thick, as wide as makes its radial stiffness
-4.98 N/mm (a plate bends: E / (1 - nu^2)). Prints the stiffness against moving its rim end radially and tangentially
+The strip is a semicircle of 27.5 mm in the plane through the axle, 0.4 mm thick, as wide as makes its radial stiffness half of
+a pair's 4.98 N/mm (a plate bends: E / (1 - nu^2)). Prints the stiffness against moving its rim end radially and tangentially
 and against turning it about the axle, and what that means for config/wheels/amalia.yaml. Units: mm, N.
 """
 import math
@@ -10,14 +10,14 @@ import os
 import subprocess
 import tempfile
 
-from wheel_decks import E_MODULUS, NU, Deck
+from wheel_decks import E_MODULUS, NU, PAIR, Deck
 
 RADIUS, THICKNESS, MOVE = 27.5, 0.4, 0.001
 
 
 def width():
     per_width = E_MODULUS * THICKNESS ** 3 / (12.0 * (1.0 - NU ** 2))
-    return 4.98 * RADIUS ** 3 * (math.pi / 2 - 4 / math.pi) / per_width
+    return PAIR / 2 * RADIUS ** 3 * (math.pi / 2 - 4 / math.pi) / per_width
 
 
 def move(mode, along=32, across=8):

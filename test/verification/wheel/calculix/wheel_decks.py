@@ -5,7 +5,7 @@ Half a wheel (symmetry about the vertical plane through the axle), AMALIA also h
 The hub, rigid, is pressed down by a prescribed displacement; every node of the rim near the floor has a spring to the
 ground that is slack until the node reaches the floor. Units: mm, N, MPa.
 
-  wheel_decks.py NAME OUT.csv [--rim beam|shell] [--drop MM] [--between] [--changed POSITION --factor F]
+  wheel_decks.py NAME OUT.csv [--rim beam|shell] [--drop MM] [--changed POSITION --factor F]
 
 writes the deck, runs ccx and writes hub drop (m) and load (N).
 """
@@ -19,6 +19,7 @@ import tempfile
 
 E_MODULUS, NU = 200000.0, 0.3
 CONTACT = 5.0e3  # N/mm a node
+PAIR = 4.98  # N/mm, radial stiffness of the two strips of a position (paper, Section 6.2)
 NAMES = ("amalia", "t0_r0")
 
 
@@ -61,8 +62,11 @@ class Deck:
                 number += 1
                 out.write(f"*ELEMENT, TYPE=SPRINGA, ELSET=F{number}\n{number},{foot},{node}\n")
                 out.write(f"*SPRING, ELSET=F{number}, NONLINEAR\n")
-                k = CONTACT * share
-                out.write(f"{-10.0 * k:.3f},{-gap - 10.0:.9f}\n0.,{-gap:.9f}\n1.e-9,{-gap + 1000.0:.9f}\n")
+                # A tenth of the stiffness over the first 2 um: a sharp corner of the law keeps Newton from converging.
+                k, soft = CONTACT * share, 0.002
+                out.write(f"{-k * (0.1 * soft + 10.0):.6f},{-gap - soft - 10.0:.9f}\n")
+                out.write(f"{-k * 0.1 * soft:.6f},{-gap - soft:.9f}\n")
+                out.write(f"0.,{-gap:.9f}\n1.e-9,{-gap + 1000.0:.9f}\n")
             out.write(f"*MATERIAL, NAME=STEEL\n*ELASTIC\n{E_MODULUS},{NU}\n")
             for kind, name, width, thickness, normal in self.sections:
                 if kind == "beam":
@@ -105,19 +109,17 @@ def floor(deck, nodes, radius, reach, share):
             deck.springs.append((node, z + radius, share(node)))
 
 
-def positions(between):
+def positions():
     """Half the wheel's strips or beams: (number from the bottom, angle, in the plane of symmetry)."""
-    if between:
-        return [(k, math.pi * (k + 0.5) / 8, False) for k in range(8)]
     return [(k, math.pi * k / 8, k in (0, 8)) for k in range(9)]
 
 
-def amalia(rim, between, changed, factor):
+def amalia(rim, changed, factor):
     """Rim 180 mm by 70 mm, 0.4 mm sheet; a strip from hub to rim at 16 positions on each side, bent to a semicircle of
-    27.5 mm in the plane through the axle, as wide as makes its radial stiffness 4.98 N/mm, clamped at both ends."""
+    27.5 mm in the plane through the axle, as wide as makes a pair's radial stiffness 4.98 N/mm, clamped at both ends."""
     radius, half_width, t, a = 90.0, 35.0, 0.4, 27.5
     per_width = E_MODULUS * t ** 3 / (12.0 * (1.0 - NU ** 2))
-    strip = 4.98 * a ** 3 * (math.pi / 2 - 4 / math.pi) / per_width
+    strip = PAIR / 2 * a ** 3 * (math.pi / 2 - 4 / math.pi) / per_width
     deck = Deck()
     elements = 64
     if rim == "beam":
@@ -149,7 +151,7 @@ def amalia(rim, between, changed, factor):
         floor(deck, grid.values(), radius, 0.6, lambda n: 0.2)
         edge = {i: grid[i, 2 * across] for i in range(0, 2 * elements + 1)}
         y0 = half_width
-    for position, angle, in_plane in positions(between):
+    for position, angle, in_plane in positions():
         share = 0.5 if in_plane else 1.0
         if position == changed:
             share *= factor
@@ -181,7 +183,7 @@ def amalia(rim, between, changed, factor):
     return deck, 4.0
 
 
-def t0_r0(rim, between, changed, factor):
+def t0_r0(rim, changed, factor):
     """Rim 260 mm by 120 mm, 0.3 mm sheet; at 16 positions two semicircular beams of 40 mm radius and 50 mm width in the
     wheel's plane, curled to opposite sides, clamped at both ends."""
     if rim != "beam":
@@ -191,7 +193,7 @@ def t0_r0(rim, between, changed, factor):
     elements = 64
     chain = beam_rim(deck, radius, width, t, elements)
     floor(deck, chain, radius, 0.9, lambda n: 1.0)
-    for position, angle, in_plane in positions(between):
+    for position, angle, in_plane in positions():
         share = factor if position == changed else 1.0
         if share == 0.0:
             continue
@@ -215,9 +217,9 @@ def t0_r0(rim, between, changed, factor):
     return deck, 2.0
 
 
-def run(name, rim, drop, increments, between=False, changed=-1, factor=1.0):
+def run(name, rim, drop, increments, changed=-1, factor=1.0):
     """Rows of hub drop (m) and load (N)."""
-    deck, copies = {"amalia": amalia, "t0_r0": t0_r0}[name](rim, between, changed, factor)
+    deck, copies = {"amalia": amalia, "t0_r0": t0_r0}[name](rim, changed, factor)
     folder = tempfile.mkdtemp(prefix="wheel_ccx_")
     try:
         deck.write(os.path.join(folder, "wheel.inp"), drop, increments)
@@ -246,13 +248,11 @@ def main():
     parser.add_argument("--rim", choices=("beam", "shell"), default="beam")
     parser.add_argument("--drop", type=float, help="mm")
     parser.add_argument("--increments", type=int, default=20)
-    parser.add_argument("--between", action="store_true", help="the floor between two positions, not at one")
     parser.add_argument("--changed", type=int, default=-1, metavar="POSITION", help="from the bottom")
     parser.add_argument("--factor", type=float, default=1.0, help="on the stiffness of the changed position")
     arguments = parser.parse_args()
     drop = arguments.drop or {"amalia": 4.0, "t0_r0": 16.0}[arguments.name]
-    rows = run(arguments.name, arguments.rim, drop, arguments.increments, arguments.between, arguments.changed,
-               arguments.factor)
+    rows = run(arguments.name, arguments.rim, drop, arguments.increments, arguments.changed, arguments.factor)
     with open(arguments.out, "w", newline="") as out:
         writer = csv.writer(out)
         writer.writerow(["drop_m", "load_n"])
