@@ -56,17 +56,17 @@ static_assert(sizeof(LoadRow) == 64);
 
 struct Bodies {
   std::size_t count = 0;  ///< the arrays are longer: padded to a batch, and one batch of dummies behind
-  Column<double> x[3];     ///< centre of mass, m
-  Column<double> v[3];     ///< at half steps, m/s
-  Column<double> l[3];     ///< angular momentum at half steps, world axes, kg m^2/s
-  Column<double> q[4];     ///< orientation w, x, y, z; empty when every template is one sphere
+  Column<double> x[3];    ///< centre of mass, m
+  Column<double> v[3];    ///< at half steps, m/s
+  Column<double> l[3];    ///< angular momentum at half steps, world axes, kg m^2/s
+  Column<double> q[4];    ///< orientation w, x, y, z; empty when every template is one sphere
   Column<double> inverse_mass;
   Column<double> inverse_inertia[3];  ///< principal; only the first when every template is one sphere
   Column<float> size;                 ///< factor on the template
   Column<float> stiffness;            ///< factor on the moduli
-  Column<float> slack;    ///< way that a sphere of the body may still go before the inner list must be made, m
-  Column<float> reserve;  ///< further way before the outer list must be made, m
-  Column<float> reach;    ///< largest lever, m
+  Column<float> slack;  ///< way that a sphere of the body may still go before the inner list must be made, m
+  Column<float> reserve;        ///< further way before the outer list must be made, m
+  Column<float> reach;          ///< largest lever, m
   Column<std::uint32_t> rank;   ///< number of the particle
   Column<std::uint32_t> first;  ///< first sphere
   Column<std::uint16_t> shape, material;
