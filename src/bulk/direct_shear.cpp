@@ -23,7 +23,7 @@ namespace {
 using dem::GranularSoil;
 using Eigen::Vector3d;
 
-constexpr int method_version = 2;
+constexpr int method_version = 3;
 constexpr double gravity = 9.81;
 constexpr double cloud_density = 0.22;
 constexpr double seating_stress = 20e3;  // Pa, the paper's lowest normal stress
@@ -49,8 +49,9 @@ dem::System box(const GranularSoil& soil, const ShearSettings& s, double top, bo
   world.smallest_size = soil.clumps.smallest_size * (1.0 - 1e-6);  // sizes are rounded to single precision
   world.threads = s.threads;
   dem::System system(world, soil.materials(), soil.clumps.shapes);
-  const auto add = [&](const char* name, auto shape, const Vector3d& position) {
+  const auto add = [&](const char* name, auto shape, const Vector3d& position, std::int32_t surface = -1) {
     dem::Wall wall;
+    wall.surface = surface;
     wall.name = name;
     wall.material = GranularSoil::wall_material;
     wall.shape = std::move(shape);
@@ -58,26 +59,27 @@ dem::System box(const GranularSoil& soil, const ShearSettings& s, double top, bo
     system.add_wall(wall);
   };
   const Vector3d across(0.0, s.width, 0.0);
-  const double middle = 0.5 * s.height;
-  const Vector3d rise_low(0.0, 0.0, middle);
-  const Vector3d rise_high(0.0, 0.0, top - middle);
+  const double below = 0.5 * (s.height - s.gap);
+  const double above = 0.5 * (s.height + s.gap);
+  const Vector3d rise_low(0.0, 0.0, below);
+  const Vector3d rise_high(0.0, 0.0, top - above);
   add("floor", dem::HalfSpace{Vector3d::UnitZ()}, Vector3d::Zero());
   dem::Mesh lower = dem::parallelogram({0.0, 0.0, 0.0}, across, rise_low);
   append(lower, dem::parallelogram({s.length, 0.0, 0.0}, across, rise_low));
-  append(lower, dem::parallelogram({-flange, 0.0, middle}, across, {flange, 0.0, 0.0}));
-  add("lower frame", lower, Vector3d::Zero());
-  dem::Mesh upper = dem::parallelogram({0.0, 0.0, middle}, across, rise_high);
-  append(upper, dem::parallelogram({s.length, 0.0, middle}, across, rise_high));
-  append(upper, dem::parallelogram({s.length, 0.0, middle}, across, {flange, 0.0, 0.0}));
-  add("upper frame", upper, Vector3d::Zero());
+  append(lower, dem::parallelogram({-flange, 0.0, below}, across, {flange, 0.0, 0.0}));
+  add("lower frame", lower, Vector3d::Zero(), 0);
+  dem::Mesh upper = dem::parallelogram({0.0, 0.0, above}, across, rise_high);
+  append(upper, dem::parallelogram({s.length, 0.0, above}, across, rise_high));
+  append(upper, dem::parallelogram({s.length, 0.0, above}, across, {flange, 0.0, 0.0}));
+  add("upper frame", upper, Vector3d::Zero(), 0);
   if (with_plate) add("top plate", dem::HalfSpace{-Vector3d::UnitZ()}, {0.0, 0.0, top});
   return system;
 }
 
 std::string sample_description(const GranularSoil& soil, const ShearSettings& s) {
-  return fmt::format("shear sample {}\n{}void ratio {} box {} {} {} travel {} seed {}\n", method_version,
-                     soil.fingerprint(), soil.shear_box_void_ratio, s.length, s.width, s.height, s.travel,
-                     s.seed);
+  return fmt::format("shear sample {}\n{}void ratio {} box {} {} {} gap {} travel {} seed {}\n",
+                     method_version, soil.fingerprint(), soil.shear_box_void_ratio, s.length, s.width,
+                     s.height, s.gap, s.travel, s.seed);
 }
 
 // Fills the box at a friction; returns the system at rest.
@@ -97,7 +99,7 @@ dem::System filled_box(const GranularSoil& soil, const ShearSettings& s, double 
   system.set_pair(GranularSoil::grain_material, GranularSoil::grain_material, lowered);
   dem::SettleSettings fall;
   fall.shortest_time = std::sqrt(2.0 * std::max(0.0, height - s.height) / gravity);
-  fall.rest_fraction = 1e-5;
+  fall.rest_fraction = 1e-4;
   settle(system, fall);
   return system;
 }
@@ -171,7 +173,7 @@ ShearSample shear_sample(const GranularSoil& soil, const ShearSettings& s) {
   const dem::Archive archive = dem::fetch("shear_sample", sample_description(soil, s), [&] {
     const double target = 1.0 / (1.0 + soil.shear_box_void_ratio);
     const auto density = [&](double friction) {
-      return 1.0 / (1.0 + void_ratio_of(filled_box(soil, s, friction), s));
+      return 1.0 / (1.0 + seated_void_ratio(soil, s, filled_box(soil, s, friction).state()));
     };
     const double full = soil.grain_grain.friction;
     const double friction = density(full) >= target ? full : dem::tune_friction(target, full, 0.003, density);

@@ -18,6 +18,7 @@ namespace wheel_twin::bulk {
 
 struct ShearSettings {
   double length = 0.16, width = 0.08, height = 0.04;  ///< of the box, m; the frames meet at half height
+  double gap = 0.003;                                 ///< m between the frames, from the first filling on
   double consolidation_time = 0.4;                    ///< s
   double rate = 0.005;                                ///< m/s, of the lower frame
   double travel = 0.0175;                             ///< m: 3.5 s at the paper's rate

@@ -30,7 +30,6 @@ double settle(System& system, const SettleSettings& settings, const SettleObserv
 
 double tune_friction(double target, double full, double tolerance,
                      const std::function<double(double)>& density) {
-  double low = 0.0;
   double high = full;
   double excess_high = density(high) - target;
   if (excess_high > tolerance)
@@ -38,10 +37,19 @@ double tune_friction(double target, double full, double tolerance,
         fmt::format("packing density {:.3f} is out of reach: at full friction {} it is already {:.3f}",
                     target, full, excess_high + target));
   if (std::abs(excess_high) <= tolerance) return high;
-  double excess_low = density(low) - target;
-  if (excess_low < -tolerance)
-    throw Error(fmt::format("packing density {:.3f} is out of reach: without friction it is only {:.3f}",
-                            target, excess_low + target));
+  // Down by thirds until the packing is dense enough.
+  double low = high;
+  double excess_low = excess_high;
+  while (excess_low < 0.0) {
+    if (low < 0.01)
+      throw Error(fmt::format("packing density {:.3f} is out of reach: at friction {:.3g} it is only {:.3f}",
+                              target, low, excess_low + target));
+    high = low;
+    excess_high = excess_low;
+    low /= 3.0;
+    excess_low = density(low) - target;
+    if (std::abs(excess_low) <= tolerance) return low;
+  }
   int side = 0;
   for (int iteration = 0; iteration < 20; ++iteration) {
     const double friction = (low * excess_high - high * excess_low) / (excess_high - excess_low);

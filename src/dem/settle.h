@@ -23,8 +23,8 @@ using SettleObserver = std::function<void(double time)>;
 /// Steps until rest. Returns the simulated time, s. Needs gravity.
 double settle(System& system, const SettleSettings& settings, const SettleObserver& observer = {});
 
-/// Friction between 0 and `full` at which `density(friction)` is `target` within `tolerance`; density falls
-/// with friction. Bracketed secant (Illinois). Throws Error when the target is out of reach, with the
+/// Friction between 0.004 and `full` at which `density(friction)` is `target` within `tolerance`; density
+/// falls with friction. Bracketed secant (Illinois). Throws Error when the target is out of reach, with the
 /// reachable range.
 double tune_friction(double target, double full, double tolerance,
                      const std::function<double(double)>& density);
