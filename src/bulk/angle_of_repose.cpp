@@ -148,6 +148,8 @@ ReposeResult angle_of_repose(const dem::GranularSoil& soil, const ReposeSettings
   dem::SettleSettings fill;
   fill.shortest_time = std::sqrt(2.0 * (f.cloud - f.mouth) / 9.81);
   fill.rest_fraction = 1e-3;
+  fill.longest_time = 1.0;
+  fill.quenches = 0;
   settle(system, fill,
          [&](double time) { progress.update(0.2 * std::min(1.0, time / (2.0 * fill.shortest_time))); });
   system.remove_wall(gate_number);
@@ -161,6 +163,7 @@ ReposeResult angle_of_repose(const dem::GranularSoil& soil, const ReposeSettings
   flowing.shortest_time = std::min(0.5 * solid / flow, 0.5 * s.longest_time);
   flowing.longest_time = s.longest_time;
   flowing.rest_fraction = 1e-4;
+  flowing.quenches = 0;
   settle(system, flowing,
          [&](double time) { progress.update(0.2 + 0.8 * std::min(1.0, time * flow / (1.5 * solid))); });
 

@@ -99,7 +99,6 @@ dem::System filled_box(const GranularSoil& soil, const ShearSettings& s, double 
   system.set_pair(GranularSoil::grain_material, GranularSoil::grain_material, lowered);
   dem::SettleSettings fall;
   fall.shortest_time = std::sqrt(2.0 * std::max(0.0, height - s.height) / gravity);
-  fall.rest_fraction = 1e-4;
   settle(system, fall);
   return system;
 }

@@ -20,12 +20,20 @@ double settle(System& system, const SettleSettings& settings, const SettleObserv
     if (observer) observer(time);
     if (time < settings.shortest_time) continue;
     const double kinetic = system.energy().kinetic;
-    if (kinetic < threshold) return time;
-    if (time > settings.longest_time)
+    if (kinetic < threshold) break;
+    if (time < settings.shortest_time + settings.longest_time) continue;
+    if (kinetic > 1e3 * threshold)
       throw Error(
-          fmt::format("packing: not at rest after {:.2f} s: kinetic energy {:.3g} J, wanted below {:.3g} J",
+          fmt::format("packing: still flows after {:.2f} s: kinetic energy {:.3g} J, wanted below {:.3g} J",
                       time, kinetic, threshold));
+    break;
   }
+  for (int i = 0; i < settings.quenches; ++i) {
+    system.stop_all();
+    system.step(block / 2);
+    if (observer) observer(system.time() - start);
+  }
+  return system.time() - start;
 }
 
 double tune_friction(double target, double full, double tolerance,

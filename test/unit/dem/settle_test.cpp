@@ -11,7 +11,9 @@ namespace wheel_twin::dem {
 namespace {
 
 // Density falls with friction and levels off, as random packings do.
-double packing(double friction) { return 0.54 + 0.1 * std::exp(-friction / 0.3); }
+double packing(double friction) {
+  return 0.54 + 0.1 * std::exp(-friction / 0.3);
+}
 
 TEST(TuneFriction, FindsTheFrictionInFewPackings) {
   for (const double target : {0.55, 0.58, 0.62}) {
