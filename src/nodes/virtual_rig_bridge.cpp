@@ -132,11 +132,15 @@ class VirtualRigBridge::Impl {
     std::unique_lock<std::mutex> lock(mutex_);
     response.success = false;
     response.message = "no reading yet: the sensor is read during a run";
-    if (!running_ || quit_) return true;
+    if (held_) response.message = "held: no readings until rig/start";
+    if (!running_ || held_ || quit_) return true;
     want_bias_ = true;
     wake_.notify_all();
-    wake_.wait(lock, [this] { return !want_bias_ || !running_ || quit_; });
-    if (want_bias_) return true;
+    wake_.wait(lock, [this] { return !want_bias_ || !running_ || held_ || quit_; });
+    if (want_bias_) {
+      want_bias_ = false;
+      return true;
+    }
     response.success = bias_taken_;
     if (bias_taken_) response.message = "tared";
     return true;
@@ -245,10 +249,11 @@ class VirtualRigBridge::Impl {
   }
 
   bool hold() {
-    set_status("held");
     std::unique_lock<std::mutex> lock(mutex_);
     held_ = true;
-    wake_.wait(lock, [this] { return want_run_ || want_bias_ || quit_; });
+    set_status("held");
+    wake_.notify_all();
+    wake_.wait(lock, [this] { return want_run_ || quit_; });
     held_ = false;
     const bool goes_on = !quit_;
     lock.unlock();
