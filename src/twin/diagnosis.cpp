@@ -355,7 +355,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   if (something && p_best < options.false_alarm_rate) {
     // Is one effect enough? A second must earn its place on runs it was not fitted to as well.
     const Omnibus left = ask_residual(evidence, best.model, best.fluctuates);
-    if (left.p < options.false_alarm_rate && worst_ratio(single_errors) > 1.05) {
+    if (left.p < options.false_alarm_rate && worst_ratio(single_errors) > good_enough) {
       std::vector<Candidate> pairs = tracing.every_effect(best);
       for (Candidate& c : pairs) c = tracing.scored(c);
       if (!pairs.empty() && pairs.front().score > best.score + 3.0) {

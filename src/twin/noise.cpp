@@ -67,10 +67,13 @@ NoiseFloor noise_floor(const logs::Experiment& experiment, double bin) {
     const double samples = std::max(1.0, sensor->rate * bin);
     return std::hypot(sensor->noise, sensor->resolution / std::sqrt(12.0)) / std::sqrt(samples);
   };
-  const double force = std::max(0.005, of(experiment.ft, 0.02));
-  const double displacement = std::max(2e-6, of(experiment.draw_wire, 2e-5));
-  const double torque = 0.02 * force;
-  return {force, force, force, displacement, torque, 0.002};
+  double load = 1.0;
+  for (const logs::Run& run : experiment.runs) load = std::max(load, run.load);
+  // A contact law is not better than a thousandth of the load, whatever the sensors are.
+  const double force = std::max(0.001 * load, of(experiment.ft, 0.02));
+  const double displacement = std::max(2e-5, of(experiment.draw_wire, 2e-5));
+  const double torque = 0.05 * force;
+  return {force, force, force, displacement, torque, torque};
 }
 
 std::vector<Segment> segments_of(const RunGrid& grid) {

@@ -22,7 +22,8 @@ struct ChannelNoise {
 
 using NoiseModel = std::array<ChannelNoise, channel_count>;
 
-/// Smallest noise that is credible for a channel: resolution and noise of the declared sensors over a bin.
+/// Smallest noise that is credible for a channel: resolution and noise of the declared sensors over a bin,
+/// and what a contact law misses at best.
 using NoiseFloor = std::array<double, channel_count>;
 NoiseFloor noise_floor(const logs::Experiment& experiment, double bin);
 

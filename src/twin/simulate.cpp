@@ -41,6 +41,17 @@ class UnevenSoil final : public rig::SoilPort {
   std::vector<double> factor_;
 };
 
+/// The motion at a share of the way from one bin to the next.
+rig::MeasuredMotion between(const rig::MeasuredMotion& a, const rig::MeasuredMotion& b, double share) {
+  rig::MeasuredMotion m = b;
+  for (double rig::MeasuredMotion::*member :
+       {&rig::MeasuredMotion::time, &rig::MeasuredMotion::carriage_position,
+        &rig::MeasuredMotion::carriage_velocity, &rig::MeasuredMotion::wheel_angle,
+        &rig::MeasuredMotion::wheel_rate})
+    m.*member = a.*member + share * (b.*member - a.*member);
+  return m;
+}
+
 /// Measured hub displacement before the run starts to move: where friction left the slide cannot be
 /// predicted.
 std::optional<double> resting_displacement(const RunGrid& grid) {
@@ -86,7 +97,14 @@ Predicted simulate(const TwinConfig& model, const RunGrid& grid,
 
   const int n = grid.bins();
   Predicted predicted(channel_rows, n);
+  constexpr int parts = 5;        // of a bin while a wheel that starts leaves its print
+  constexpr int start_bins = 16;  // after the start
+  int since_rest = start_bins;
   for (int i = 0; i < n; ++i) {
+    since_rest = grid.moving[static_cast<std::size_t>(i)] ? since_rest + 1 : 0;
+    for (int k = 1; i > 0 && since_rest < start_bins && k < parts; ++k)
+      replay.update(between(grid.motion[static_cast<std::size_t>(i - 1)],
+                            grid.motion[static_cast<std::size_t>(i)], static_cast<double>(k) / parts));
     const rig::Readings& r = replay.update(grid.motion[static_cast<std::size_t>(i)]).readings;
     predicted.col(i) << r.wrench.force.x(), r.wrench.force.y(), r.wrench.force.z(), r.displacement,
         r.wrench.torque.y(), r.joints.wheel_effort;
