@@ -1,6 +1,7 @@
 // The parts of a diagnosis, each against what is put into it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -183,8 +184,9 @@ TEST(TwinFile, ComesBackAsItWasWritten) {
   TwinConfig twin = some_twin();
   twin.effects = {{"slide_friction", {3.25}}, {"soft_spoke", {0.001, 0.3, -1.5}}};
   twin.corrections = {{Channel::hub_displacement, 0.3, 30.0, {0.0, 0.2}, {42.1, 42.1}, {1e-4, -2e-4}}};
-  const std::string path =
-      (std::filesystem::temp_directory_path() / "wheel_twin_twin_file_test.yaml").string();
+  const std::string path = (std::filesystem::temp_directory_path() /
+                            ("wheel_twin_twin_file_test_" + std::to_string(getpid()) + ".yaml"))
+                               .string();
   write_twin(twin, path);
   const TwinConfig read = read_twin(path);
   EXPECT_EQ(twin_text(read), twin_text(twin));

@@ -5,6 +5,7 @@
 #include <ceres/ceres.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -159,7 +160,8 @@ Score leave_days_out(const logs::Experiment& experiment, const terramechanics::S
 class RealData : public ::testing::TestWithParam<std::string> {
  protected:
   static void SetUpTestSuite() {
-    folder_ = (fs::temp_directory_path() / "wheel_twin_real_data_test").string();
+    folder_ =
+        (fs::temp_directory_path() / ("wheel_twin_real_data_test_" + std::to_string(getpid()))).string();
     fs::remove_all(folder_);
     logs::cmu::import(std::string(WHEEL_TWIN_SOURCE_DIR) + "/data/cmu_testbed_sample", folder_);
   }
