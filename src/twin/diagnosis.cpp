@@ -318,7 +318,6 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   if (!nothing.usable)
     throw Error(experiment.name + ": the calibrated twin cannot carry the loads of the measured runs");
   d.before = nothing.model;
-  d.omnibus = ask_residual(evidence, nothing.model, false);
 
   std::vector<Candidate> singles = tracing.every_effect(nothing);
   if (!singles.empty()) {
@@ -364,9 +363,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
         if (p_pair < options.false_alarm_rate && gain > least_share) {
           best = pairs.front();
           p_best = std::max(p_best, p_pair);
+          all.insert(all.end(), pairs.begin(),
+                     pairs.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, pairs.size())));
         }
-        all.insert(all.end(), pairs.begin(),
-                   pairs.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, pairs.size())));
       }
     }
   }
@@ -384,17 +383,22 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   // floor stays with "none of these".
   all.push_back(nothing);
   std::sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  if (d.verdict == "effect_found")
+    std::stable_partition(all.begin(), all.end(),
+                          [&](const Candidate& c) { return c.effects == best.effects; });
+  const double highest = std::max_element(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
+                           return a.score < b.score;
+                         })->score;
   const double unexplained =
       explained > mostly_explained
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   double sum = 0.0;
-  for (const Candidate& c : all) sum += std::exp(c.score - all.front().score);
+  for (const Candidate& c : all) sum += std::exp(c.score - highest);
   for (const Candidate& c : all) {
     Ranked ranked;
     ranked.candidate = c;
-    ranked.probability =
-        std::exp(c.score - all.front().score) / sum * (c.effects.empty() ? 1.0 : 1.0 - unexplained);
+    ranked.probability = std::exp(c.score - highest) / sum * (c.effects.empty() ? 1.0 : 1.0 - unexplained);
     ranked.p_value = c.effects == best.effects ? p_best : 1.0;
     d.candidates.push_back(ranked);
   }
