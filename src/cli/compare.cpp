@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "base/config_path.h"
 #include "base/error.h"
 #include "cli/commands.h"
 #include "twin/compare.h"
@@ -13,10 +14,13 @@ namespace {
 struct Options {
   std::string experiment;
   std::string out;
+  std::string rig;
 };
 
 void compare(const Options& options) {
-  const auto comparison = twin::compare_experiment(logs::read_experiment(options.experiment));
+  std::optional<rig::RigSettings> rig;
+  if (!options.rig.empty()) rig = rig::read_rig(yaml::parse_file(find_config("rigs", options.rig)));
+  const auto comparison = twin::compare_experiment(logs::read_experiment(options.experiment), {}, rig);
   twin::write_comparison(comparison, options.out);
   const auto any = [](const logs::Run&) { return true; };
   for (const twin::Channel channel : twin::all_channels) {
@@ -44,7 +48,7 @@ void compare(const Options& options) {
 void add_compare(CLI::App& app) {
   auto* command = app.add_subcommand(
       "compare",
-      "An experiment beside the twin, run by run: residuals, plots, metrics. Fits nothing to runs.");
+      "An experiment beside the twin, run by run: residuals, plots, metrics. Fits no soil to runs.");
   command->footer(
       "Example: twin compare out/cmu/smooth --out out/compare\nWrites index.html, metrics.json and "
       "residuals.csv.");
@@ -52,6 +56,10 @@ void add_compare(CLI::App& app) {
   command->add_option("experiment", options->experiment, "Directory with experiment.yaml, or that file")
       ->required();
   command->add_option("--out", options->out, "Directory for the report")->required();
+  command->add_option(
+      "--rig", options->rig,
+      "Rig that was driven, name in config/rigs or a file (default: mount of the sensor from the "
+      "reference runs)");
   command->callback([options] { compare(*options); });
 }
 

@@ -137,6 +137,15 @@ run_log::RunLog log_of(const RunRow& row, const Motion& motion) {
   return log;
 }
 
+// The sensor hangs below the steering axis: its readings are in the wheel's axes. The standard deviations are
+// turned as those of readings that scatter independently; the table has no covariance.
+void turn_to_rig_axes(double steering_angle, Average& along, Average& across) {
+  const double c = std::cos(steering_angle), s = std::sin(steering_angle);
+  const Average x = along, y = across;
+  along = {c * x.mean - s * y.mean, std::hypot(c * x.std.value_or(0.0), s * y.std.value_or(0.0))};
+  across = {s * x.mean + c * y.mean, std::hypot(s * x.std.value_or(0.0), c * y.std.value_or(0.0))};
+}
+
 Run entry_of(const RunRow& row, double speed_factor) {
   Run run;
   run.role = Role::measured;
@@ -150,8 +159,10 @@ Run entry_of(const RunRow& row, double speed_factor) {
   Averages averages;
   averages.window_start = row.window_start_s;
   averages.window_end = row.window_end_s;
-  averages.drawbar_pull = Average{row.tractive_n.mean, row.tractive_n.std};
-  averages.side_force = Average{-row.lateral_n.mean, row.lateral_n.std};
+  Average along{row.tractive_n.mean, row.tractive_n.std}, across{-row.lateral_n.mean, row.lateral_n.std};
+  if (run.steering_angle != 0.0) turn_to_rig_axes(run.steering_angle, along, across);
+  averages.drawbar_pull = along;
+  averages.side_force = across;
   averages.normal_load = Average{row.load_n.mean, row.load_n.std};
   averages.hub_displacement = Average{1e-3 * row.sinkage_mm.mean, 1e-3 * row.sinkage_mm.std};
   run.averages = averages;

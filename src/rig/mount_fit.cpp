@@ -26,7 +26,7 @@ struct Row {
 };
 
 void add_rows(const run_log::RunLog& log, std::vector<Row>& rows) {
-  if (log.ft.time.empty() || log.joints.time.empty()) return;
+  if (log.ft.time.empty() || log.joints.wheel_effort.empty()) return;
   const double start = std::max(log.ft.time.front(), log.joints.time.front());
   const double end = std::min(log.ft.time.back(), log.joints.time.back());
   std::size_t at[4] = {0, 0, 0, 0};

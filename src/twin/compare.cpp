@@ -44,6 +44,28 @@ ordered_json json_of(const PlateFit& fit, double width) {
   return json;
 }
 
+ordered_json json_of(const rig::MountFit& fit) {
+  return {{"arm_x", json_of({fit.mount.arm_x, fit.arm_x_error}, "m")},
+          {"arm_z", json_of({fit.mount.arm_z, fit.arm_z_error}, "m")},
+          {"drive_torque_share", json_of({fit.mount.drive_torque_share, fit.share_error}, "1")},
+          {"residual", {{"value", fit.residual}, {"unit", "N m"}, {"averages", fit.averages}}}};
+}
+
+/// From the straight reference runs; none where they lack the channels for it.
+std::optional<rig::MountFit> mount_of_references(const logs::Experiment& experiment,
+                                                 const rig::MountSettings& prior) {
+  std::vector<run_log::RunLog> read;
+  for (const logs::Run& run : experiment.runs)
+    if (run.role == logs::Role::reference && run.bag && is_straight(run))
+      read.push_back(logs::read_run_log(experiment.path_of(*run.bag)));
+  std::vector<const run_log::RunLog*> references;
+  for (const run_log::RunLog& log : read) references.push_back(&log);
+  constexpr std::size_t least_averages = 20;
+  rig::MountFit fit = rig::fit_mount(references, prior);
+  if (fit.averages < least_averages) return std::nullopt;
+  return fit;
+}
+
 ordered_json error_json(const std::vector<RunComparison>& runs, const RunFilter& filter) {
   ordered_json json = ordered_json::object();
   for (const Channel channel : all_channels) {
@@ -69,8 +91,8 @@ std::string name_of_run(const logs::Experiment& experiment, std::size_t index) {
   return fmt::format("{}{}#{}", run.group, run.group.empty() ? "" : " ", index);
 }
 
-ExperimentComparison compare_experiment(const logs::Experiment& experiment,
-                                        const ComparisonOptions& options) {
+ExperimentComparison compare_experiment(const logs::Experiment& experiment, const ComparisonOptions& options,
+                                        const std::optional<rig::RigSettings>& rig) {
   ExperimentComparison comparison;
   comparison.experiment = experiment;
   comparison.soil = experiment.soil;
@@ -83,10 +105,17 @@ ExperimentComparison compare_experiment(const logs::Experiment& experiment,
       comparison.plate_note = error.what();
     }
   }
+  if (rig) {
+    comparison.rig = *rig;
+  } else {
+    comparison.mount_fit = mount_of_references(experiment, comparison.rig.mount);
+    if (comparison.mount_fit) comparison.rig.mount = comparison.mount_fit->mount;
+  }
+  comparison.rig.steering_limit = 1.5;  // of the contact; the rig that was driven had its own
   TwinModel model;
   model.wheel = experiment.wheel;
   model.soil = comparison.soil;
-  model.rig.steering_limit = 1.5;  // of the contact; the rig that was driven had its own
+  model.rig = comparison.rig;
   Progress progress("comparing", static_cast<double>(experiment.runs.size()));
   for (std::size_t i = 0; i < experiment.runs.size(); ++i) {
     const logs::Run& run = experiment.runs[i];
@@ -116,6 +145,8 @@ std::string metrics_json(const ExperimentComparison& comparison) {
                     {"c2", soil.c2},
                     {"gamma", soil.gamma}}},
                   {"soil_from", comparison.plate_fit ? "plate tests and declaration" : "declaration"}};
+  json["twin"]["mount_from"] = comparison.mount_fit ? "reference runs" : "rig " + comparison.rig.name;
+  if (comparison.mount_fit) json["mount_fit"] = json_of(*comparison.mount_fit);
   if (comparison.plate_fit)
     json["plate_fit"] = json_of(*comparison.plate_fit, comparison.experiment.wheel.width);
   if (!comparison.plate_note.empty()) json["plate_fit_failed"] = comparison.plate_note;

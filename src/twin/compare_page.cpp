@@ -309,6 +309,33 @@ std::string soil_part(const ExperimentComparison& comparison) {
   return html + page::table({"Parameter", "Value", "Error", "Unit"}, rows);
 }
 
+std::string mount_part(const ExperimentComparison& comparison) {
+  const rig::MountSettings& mount = comparison.rig.mount;
+  const std::string law = "M_y = −arm_z F_x + arm_x F_z + share T";
+  std::string html = "<h2>Mount of the force/torque sensor</h2>";
+  if (!comparison.mount_fit)
+    return html +
+           page::paragraph(fmt::format(
+               "The pitch torque is taken as {} with arm_x {:.3f} m, arm_z {:.3f} m and a share {:.2f} of "
+               "the drive "
+               "torque T, as of the rig “{}”. An experiment does not declare its mount and this one has no "
+               "reference runs to tell it: a pitch torque that is off by the same factor in every run says "
+               "that "
+               "the mount is another.",
+               law, mount.arm_x, mount.arm_z, mount.drive_torque_share, comparison.rig.name));
+  const rig::MountFit& fit = *comparison.mount_fit;
+  return html + page::paragraph(fmt::format("An experiment does not declare how its sensor is mounted. The "
+                                            "reference runs, taken with the rig in "
+                                            "order, tell it by {}, all measured (T is the motor’s torque), "
+                                            "without a soil model: arm_x {:.3f} ± "
+                                            "{:.3f} m, arm_z {:.3f} ± {:.3f} m, share {:.2f} ± {:.2f}; "
+                                            "{:.3f} N m are left. A share of −1 is what "
+                                            "statics says of a motor on the tool side; +1 is a log that "
+                                            "counts the motor’s torque on the wheel.",
+                                            law, mount.arm_x, fit.arm_x_error, mount.arm_z, fit.arm_z_error,
+                                            mount.drive_torque_share, fit.share_error, fit.residual));
+}
+
 }  // namespace
 
 std::string comparison_page(const ExperimentComparison& comparison) {
@@ -352,6 +379,8 @@ std::string comparison_page(const ExperimentComparison& comparison) {
       html += against_slip(runs, channel, [](const logs::Run& run) { return !is_straight(run); });
   }
   html += soil_part(comparison);
+  if (std::find(channels.begin(), channels.end(), Channel::pitch_torque) != channels.end())
+    html += mount_part(comparison);
   const std::string courses = time_courses(runs, channels);
   if (!courses.empty())
     html += "<h2>Over time</h2>" +

@@ -37,8 +37,8 @@ std::optional<ErrorSummary> error_of(const std::vector<RunComparison>& runs, Cha
 std::optional<double> error_of_constant(const std::vector<RunComparison>& runs, Channel channel,
                                         const RunFilter& filter);
 
-/// Runs count as repeated when slip, steering angle and declared load agree to 0.02, 1 degree and 2 %. None
-/// without any.
+/// Runs count as repeated when slip, steering angle and declared load agree to 0.02, 1 degree and 2 % and
+/// both or neither are reference runs (between those, the rig was changed). None without any.
 std::optional<RepeatScatter> repeat_scatter(const std::vector<RunComparison>& runs, Channel channel,
                                             const RunFilter& filter);
 

@@ -61,6 +61,11 @@ TEST(Metrics, ScatterOfRepeatedRunsIsPooledOverConditions) {
   EXPECT_NEAR(scatter->std, std::sqrt((0.5 + 2.0) / 3.0), 1e-12);
   EXPECT_EQ(scatter->runs, 5U);
   EXPECT_EQ(scatter->conditions, 2U);
+
+  // A reference run and a measured one differ by what was changed on the rig between them.
+  std::vector<RunComparison> changed = {run_with(0.5, 0.0, 1.0, 0.0), run_with(0.5, 0.0, 2.0, 0.0)};
+  changed[0].run.role = logs::Role::reference;
+  EXPECT_FALSE(repeat_scatter(changed, Channel::drawbar_pull, any));
 }
 
 }  // namespace
