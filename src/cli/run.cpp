@@ -15,6 +15,7 @@
 #include "effects/catalogue.h"
 #include "logs/bag_writer.h"
 #include "logs/experiment.h"
+#include "twin/dem_rig.h"
 #include "twin/virtual_rig.h"
 
 namespace wheel_twin::cli {
@@ -37,6 +38,13 @@ struct Options {
   double epoch = 1.7e9;
   std::uint64_t seed = 1;
   std::vector<std::string> effects;
+  // Fidelity dem.
+  std::string dem = "paper";
+  std::uint64_t bed_seed = 1;
+  int threads = 2;
+  bool resume = false;
+  bool dwell_given = false;
+  bool duration_given = false;
 };
 
 /// "slide_friction:coulomb_force=3.5" or "ft_drift:rate_x=0.01,rate_y=0,rate_z=0".
@@ -91,22 +99,108 @@ Json summary_of(const Options& options, const rig::RunSettings& run, const twin:
             {"slip", summary.slip}}}};
 }
 
+/// The co-simulated side of a run: contact, checkpoints, and what it cost.
+class DemRun {
+ public:
+  DemRun(const Options& options, const std::string& wheel, const std::string& soil, const rig::Ports& ports,
+         const std::string& bag)
+      : settings_(cosim::load_dem_settings(options.dem)), checkpoint_(bag + ".checkpoint") {
+    settings_.bed.seed = options.bed_seed;
+    contact_ = twin::make_dem_contact({wheel, soil, options.dem}, settings_, ports, options.threads);
+    if (!options.resume) return;
+    if (!fs::exists(checkpoint_))
+      throw Error(fmt::format("{}: there is no checkpoint to resume from", checkpoint_));
+    contact_->resume(checkpoint_);
+  }
+
+  rig::Contact& contact() { return *contact_; }
+
+  /// The settings' course of the run, but for what the command line says.
+  void set_profile(const Options& options, rig::RunProfile& profile) const {
+    const rig::RunProfile asked = profile;
+    profile = settings_.profile;
+    profile.clearance = contact_->clearance();
+    if (options.dwell_given) profile.dwell = asked.dwell;
+    if (options.duration_given) profile.longest_steady = asked.longest_steady;
+    if (asked.travel != rig::RunProfile{}.travel) profile.travel = asked.travel;
+  }
+
+  /// A checkpoint a minute.
+  void update() {
+    const auto now = std::chrono::steady_clock::now();
+    if (contact_->coupled().replaying() || now - written_ < std::chrono::minutes(1)) return;
+    contact_->write_checkpoint(checkpoint_);
+    written_ = now;
+  }
+
+  void finish() const {
+    std::error_code ignored;
+    fs::remove(checkpoint_, ignored);
+  }
+
+  Json report(double wall) const {
+    const cosim::CouplingCost cost = contact_->coupled().cost();
+    const dem::System& system = contact_->soil().system();
+    const dem::Statistics soil = system.statistics();
+    const dem::BedReport& bed = contact_->bed_report();
+    return {{"settings", settings_.name},
+            {"bed_seed", settings_.bed.seed},
+            {"bed_m", {settings_.bed.length, settings_.bed.width, settings_.bed.depth}},
+            {"clumps", system.size()},
+            {"spheres", system.sphere_count()},
+            {"packing_density", bed.packing_density},
+            {"time_step_s", system.time_step()},
+            {"rayleigh_fraction", system.time_step() / system.rayleigh_step()},
+            {"threads", system.settings().threads},
+            {"steps", cost.steps},
+            {"sphere_updates_per_s",
+             static_cast<double>(cost.steps) * static_cast<double>(system.sphere_count()) / wall},
+            {"memory_bytes", soil.memory_bytes},
+            {"seconds",
+             {{"wall", wall},
+              {"wheel", cost.wheel},
+              {"soil", cost.soil},
+              {"soil_contacts", soil.seconds_contacts - soil.seconds_walls},
+              {"soil_wheel_contact", soil.seconds_walls},
+              {"soil_motion", soil.seconds_motion},
+              {"soil_lists", soil.seconds_lists}}}};
+  }
+
+ private:
+  cosim::DemSettings settings_;
+  std::string checkpoint_;
+  std::unique_ptr<cosim::DemContact> contact_;
+  std::chrono::steady_clock::time_point written_ = std::chrono::steady_clock::now();
+};
+
 /// One run: its bag at `bag` and the summary beside it.
-void run_once(const Options& options, const twin::VirtualRig& loaded, const rig::RunSettings& settings,
+void run_once(const Options& options, const twin::VirtualRig& loaded, rig::RunSettings settings,
               const rig::Ports& ports, const std::string& bag) {
+  std::unique_ptr<DemRun> dem;
+  std::unique_ptr<rig::Contact> fast;
+  if (options.fidelity == "dem") {
+    dem = std::make_unique<DemRun>(options, loaded.wheel_name, loaded.soil_name, ports, bag);
+    dem->set_profile(options, settings.profile);
+  } else {
+    fast = twin::make_contact(options.fidelity, loaded.wheel, loaded.soil, ports);
+  }
   const auto begin = std::chrono::steady_clock::now();
-  const auto contact = twin::make_contact(options.fidelity, loaded.wheel, loaded.soil, ports);
-  rig::FreeRun run(settings, *contact, ports);
+  rig::FreeRun run(settings, dem ? dem->contact() : *fast, ports);
   Progress progress(fs::path(bag).filename().string(), run.expected_end());
   rig::RunSummary summary;
-  const run_log::RunLog log =
-      rig::run_to_end(run, summary, {[&](const rig::RigStep& step) { progress.update(step.state.time); }});
+  const run_log::RunLog log = rig::run_to_end(run, summary, {[&](const rig::RigStep& step) {
+                                                progress.update(step.state.time);
+                                                if (dem) dem->update();
+                                              }});
   logs::write_bag(log, bag);
   fs::path json = bag;
   json.replace_extension(".json");
-  write_file(
-      json.string(),
-      summary_of(options, settings, loaded, summary, fs::path(bag).filename().string()).dump(2) + "\n");
+  Json result = summary_of(options, settings, loaded, summary, fs::path(bag).filename().string());
+  if (dem)
+    result["dem"] =
+        dem->report(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+  write_file(json.string(), result.dump(2) + "\n");
+  if (dem) dem->finish();
   const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   fmt::print(
       "{}: slip {:.3f}, load {:.1f} N: drawbar pull {:.2f} N, side force {:.2f} N, normal load {:.2f} N, hub "
@@ -143,6 +237,8 @@ void run_experiment(const Options& options, const rig::Ports& ports) {
   twin::VirtualRig loaded = twin::load_virtual_rig(options.names);
   loaded.wheel = experiment.wheel;
   loaded.soil = experiment.soil;
+  loaded.wheel_name = experiment.wheel.name;
+  loaded.soil_name = experiment.soil.name;
   loaded.run.radius = experiment.wheel.radius;
   auto& ft = loaded.run.sensors.ft;
   if (experiment.ft) {
@@ -203,7 +299,8 @@ void add_run(CLI::App& app) {
       app.add_subcommand("run", "One virtual run, or all runs of an experiment, as the rig's logs.");
   command->footer(
       "Example: twin run --wheel amalia --soil mars_simulant --slip 0.3 --load 42.1 --out run.bag\n"
-      "         twin run --experiment paper_single_wheel --out out/paper");
+      "         twin run --experiment paper_single_wheel --out out/paper\n"
+      "         twin run --fidelity dem --dem quick --slip 0.5 --out quick.bag");
   auto options = std::make_shared<Options>();
   const auto add = [&](const char* name, auto& value, const char* help) {
     return command->add_option(name, value, help)->capture_default_str();
@@ -225,8 +322,8 @@ void add_run(CLI::App& app) {
   add("--temperature", set.conditions.temperature, "degrees C");
   add("--temperature-rate", set.conditions.temperature_rate, "Warming of the sensor during the run, K/s");
   add("--travel", set.profile.travel, "Carriage travel of the steady part, m; 0: by duration alone");
-  add("--duration", set.profile.longest_steady, "Longest steady part, s");
-  add("--dwell", set.profile.dwell, "At rest on the soil before the start, s");
+  auto* duration = add("--duration", set.profile.longest_steady, "Longest steady part, s");
+  auto* dwell = add("--dwell", set.profile.dwell, "At rest on the soil before the start, s");
   add("--effect", set.effects,
       "Acts on the run (of an experiment: on all but reference runs), as name:parameter=value,...; may be "
       "repeated");
@@ -234,7 +331,18 @@ void add_run(CLI::App& app) {
   add("--epoch", set.epoch, "ROS time of the start, s");
   add("--experiment", set.experiment, "Experiment: a name in config/experiments, a file or a directory");
   command->add_option("--out", set.out, "Bag of the run, or directory of the experiment")->required();
-  command->callback([options] { run(*options); });
+  add("--dem", set.dem,
+      "Fidelity dem: bed, grains and course of the run: a name in config/dem (paper, quick) or a file");
+  add("--bed-seed", set.bed_seed, "Fidelity dem: another seed, another bed");
+  add("--threads", set.threads, "Fidelity dem: threads of the soil")->check(CLI::Range(1, 64));
+  command->add_flag(
+      "--resume", set.resume,
+      "Fidelity dem: go on from the checkpoint beside the bag, which a run writes every minute");
+  command->callback([options, dwell, duration] {
+    options->dwell_given = dwell->count() > 0;
+    options->duration_given = duration->count() > 0;
+    run(*options);
+  });
 }
 
 }  // namespace wheel_twin::cli

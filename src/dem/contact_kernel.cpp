@@ -153,8 +153,11 @@ ContactResult EvaluatePairsOf(const ContactTask& task, std::size_t begin, std::s
     if (task.trace != nullptr) StoreTrace(task.trace, task.trace_stride, at, c, response);
 
     const Vector3<VD> force = RoundedTo(Wide(response.force), force_magic);
+    // The same form on both sides: which of the two is a depends on the lists, and a fused product is not
+    // antisymmetric.
+    const Vector3<VD> opposite{hn::Neg(force.x), hn::Neg(force.y), hn::Neg(force.z)};
     Vector3<VD> torque_a = Cross(lever_a, force);
-    Vector3<VD> torque_b = Cross(force, lever_b);
+    Vector3<VD> torque_b = Cross(lever_b, opposite);
     if constexpr (kRolling) {
       const Vector3<VD> rolling = Wide(response.torque);
       torque_a = PlusScaled(torque_a, hn::Set(d, 1.0), rolling);
@@ -167,8 +170,7 @@ ContactResult EvaluatePairsOf(const ContactTask& task, std::size_t begin, std::s
       body_b[k] = body[j[k]];
     }
     AddLoads(force, RoundedTo(torque_a, torque_magic), pressure, loads, body_a);
-    AddLoads({hn::Neg(force.x), hn::Neg(force.y), hn::Neg(force.z)}, RoundedTo(torque_b, torque_magic),
-             pressure, loads, body_b);
+    AddLoads(opposite, RoundedTo(torque_b, torque_magic), pressure, loads, body_b);
   }
   result.worst = hn::GetLane(hn::MaxOfLanes(df, worst));
   return result;

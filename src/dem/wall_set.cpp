@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 
@@ -33,6 +34,32 @@ Eigen::Vector3d middle_of(const Facet& facet, const Eigen::Vector3d& fallback) {
       return fallback;
   }
 }
+
+/// Box around faces.
+struct Bounds {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(1e30);
+  Eigen::Vector3d high = Eigen::Vector3d::Constant(-1e30);
+
+  Bounds() = default;
+  explicit Bounds(const std::vector<Facet>& facets) {
+    for (const auto& facet : facets) {
+      Eigen::Vector3d from;
+      Eigen::Vector3d to;
+      bounds_of(facet, from, to);
+      low = low.cwiseMin(from);
+      high = high.cwiseMax(to);
+    }
+  }
+  void add(const Bounds& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+  /// Largest distance along an axis of the nearest image of `x`, m: no face is nearer.
+  double distance(const Eigen::Vector3d& x, const Period& period) const {
+    const Eigen::Vector3d middle = 0.5 * (low + high);
+    return ((image_near(x, middle, period) - middle).cwiseAbs() - 0.5 * (high - low)).maxCoeff();
+  }
+};
 
 Eigen::Vector3d center_of(const SphereRow& row) {
   return {row.x[0], row.x[1], row.x[2]};
@@ -166,32 +193,47 @@ void WallSet::find_outer(const Bodies& bodies, const Spheres& spheres, const Per
   const std::size_t threads = bounds.size() - 1;
   threads_.resize(threads);
   for (auto& thread : threads_) thread.outer.clear();
+  // From the whole of a surface to its parts to their faces: most spheres are far from all of them.
+  std::map<std::uint32_t, std::vector<std::uint32_t>> surfaces;
   for (std::uint32_t p = 0; p < parts_.size(); ++p) {
-    const Part& part = parts_[p];
-    for (std::uint32_t f = 0; f < part.facets.size(); ++f) {
-      const Facet& facet = part.facets[f];
-      Eigen::Vector3d low;
-      Eigen::Vector3d high;
-      bounds_of(facet, low, high);
-      const Eigen::Vector3d middle = 0.5 * (low + high);
-      const Eigen::Vector3d half = 0.5 * (high - low);
-      const bool plane = facet.kind == Facet::Kind::kHalfSpace;
-      for (std::size_t t = 0; t < threads; ++t) {
-        for (std::size_t b = bounds[t]; b < bounds[t + 1]; ++b) {
-          const double skin = bodies.reserve[b] + part.reserve;
-          const std::uint32_t end =
-              b + 1 < bodies.count ? bodies.first[b + 1] : static_cast<std::uint32_t>(spheres.count);
-          for (std::uint32_t s = bodies.first[b]; s < end; ++s) {
-            const SphereRow& row = spheres.row[s];
-            const double range = row.radius + skin;
-            if (plane) {
-              if (facet.b.dot(center_of(row) - facet.a) >= range) continue;
-            } else {
-              const Eigen::Vector3d x = image_near(center_of(row), middle, period);
-              if (((x - middle).cwiseAbs() - half).maxCoeff() >= range) continue;
-              if (closest_point(facet, x).distance >= range) continue;
-            }
-            threads_[t].outer.push_back({s, surface_of(p), p, f, 0.0F, 0.0F, 0});
+    if (!parts_[p].facets.empty()) surfaces[surface_of(p)].push_back(p);
+  }
+  std::vector<std::uint32_t> near_surface;
+  std::vector<std::uint32_t> near_part;
+  const auto skin_of = [&](std::uint32_t s) {
+    return spheres.row[s].radius + bodies.reserve[spheres.body[s]];
+  };
+  for (const auto& [surface, members] : surfaces) {
+    Bounds whole;
+    double reserve = 0.0;
+    for (const auto p : members) {
+      whole.add(Bounds(parts_[p].facets));
+      reserve = std::max(reserve, parts_[p].reserve);
+    }
+    for (std::size_t t = 0; t < threads; ++t) {
+      near_surface.clear();
+      for (std::size_t b = bounds[t]; b < bounds[t + 1]; ++b) {
+        const std::uint32_t end =
+            b + 1 < bodies.count ? bodies.first[b + 1] : static_cast<std::uint32_t>(spheres.count);
+        for (std::uint32_t s = bodies.first[b]; s < end; ++s) {
+          if (whole.distance(center_of(spheres.row[s]), period) < skin_of(s) + reserve)
+            near_surface.push_back(s);
+        }
+      }
+      for (const auto p : members) {
+        const Part& part = parts_[p];
+        const Bounds box(part.facets);
+        near_part.clear();
+        for (const auto s : near_surface) {
+          if (box.distance(center_of(spheres.row[s]), period) < skin_of(s) + part.reserve)
+            near_part.push_back(s);
+        }
+        for (std::uint32_t f = 0; f < part.facets.size(); ++f) {
+          for (const auto s : near_part) {
+            const Eigen::Vector3d center = center_of(spheres.row[s]);
+            const Eigen::Vector3d x = image_near(center, middle_of(part.facets[f], center), period);
+            if (closest_point(part.facets[f], x).distance < skin_of(s) + part.reserve)
+              threads_[t].outer.push_back({s, surface, p, f, 0.0F, 0.0F, 0});
           }
         }
       }
@@ -239,14 +281,17 @@ void WallSet::resolve(Thread& thread, std::size_t begin, std::size_t end, const 
   if (found.size() < 2) return;
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.closest.distance < b.closest.distance; });
+  // A face that was dropped still covers its place: the one that it belongs to stands for it.
   std::size_t kept = 1;
+  std::vector<const Candidate*> deeper_ones{found[0].candidate};
   for (std::size_t k = 1; k < found.size(); ++k) {
     bool same = false;
-    for (std::size_t m = 0; m < kept && !same; ++m) {
-      const Facet& deeper = parts_[found[m].candidate->part].facets[found[m].candidate->facet];
+    for (std::size_t m = 0; m < deeper_ones.size() && !same; ++m) {
+      const Facet& deeper = parts_[deeper_ones[m]->part].facets[deeper_ones[m]->facet];
       const Eigen::Vector3d x = image_near(found[k].closest.point, middle_of(deeper, center), period);
       same = std::fabs(closest_point(deeper, x).distance) < kSamePlace * row.radius;
     }
+    deeper_ones.push_back(found[k].candidate);
     if (!same) found[kept++] = found[k];
   }
   found.resize(kept);

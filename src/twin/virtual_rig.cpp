@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/yaml.h"
 #include "rig/semi_empirical_contact.h"
+#include "twin/dem_rig.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -18,6 +19,8 @@ yaml::Map config(const std::string& kind, const std::string& name) {
 
 VirtualRig load_virtual_rig(const VirtualRigNames& names) {
   VirtualRig loaded;
+  loaded.wheel_name = names.wheel;
+  loaded.soil_name = names.soil;
   loaded.wheel = terramechanics::read_wheel(config("wheels", names.wheel));
   loaded.soil = terramechanics::read_soil(config("soils", names.soil));
   loaded.run.rig = rig::read_rig(config("rigs", names.rig));
@@ -32,10 +35,10 @@ VirtualRig load_virtual_rig(const VirtualRigNames& names) {
 std::unique_ptr<rig::Contact> make_contact(const std::string& fidelity, const terramechanics::Wheel& wheel,
                                            const terramechanics::Soil& soil, const rig::Ports& ports) {
   if (fidelity == "semi_empirical") return std::make_unique<rig::SemiEmpiricalContact>(wheel, soil, ports);
-  if (fidelity == "dem")
-    throw Error(
-        "fidelity dem: this build has no co-simulation of discrete-element soil and wheel; use "
-        "semi_empirical");
+  if (fidelity == "dem") {
+    const DemRigNames names{wheel.name, soil.name};
+    return make_dem_contact(names, cosim::load_dem_settings(names.settings), ports, 1);
+  }
   throw Error(fmt::format("fidelity '{}': semi_empirical and dem are known", fidelity));
 }
 

@@ -23,6 +23,7 @@ struct VirtualRigNames {
 };
 
 struct VirtualRig {
+  std::string wheel_name, soil_name;  ///< files in config/, for what the structures below do not hold
   terramechanics::Wheel wheel;
   terramechanics::Soil soil;
   rig::RunSettings run;  ///< rig, sensors and radius set; profile and conditions at their defaults
@@ -31,8 +32,8 @@ struct VirtualRig {
 /// Throws Error naming file, line and key.
 VirtualRig load_virtual_rig(const VirtualRigNames& names);
 
-/// The contact of a fidelity: `semi_empirical`, or `dem` for the co-simulation. What `ports` point to must
-/// outlive it. Throws Error for another name, or when this build lacks it.
+/// The contact of a fidelity: `semi_empirical`, or `dem` for the co-simulation on the paper's bed
+/// (twin/dem_rig.h has the choices). What `ports` point to must outlive it. Throws Error for another name.
 std::unique_ptr<rig::Contact> make_contact(const std::string& fidelity, const terramechanics::Wheel& wheel,
                                            const terramechanics::Soil& soil, const rig::Ports& ports);
 

@@ -1,0 +1,124 @@
+#include "cosim/dem_soil.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "cosim/soil_change.h"
+#include "cosim/wheel_faces.h"
+#include "dem/state_file.h"
+
+namespace wheel_twin::cosim {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// The engine with the bed in it and a step of which `settings.rig_step` is a multiple.
+dem::System make_system(const dem::GranularSoil& soil, const dem::Bed& bed, const ChangedBed& changed,
+                        const DemSoilSettings& settings, const Matrix3d& bed_from_rig) {
+  const dem::System plain = dem::bed_world(soil, bed.settings, settings.headroom, settings.threads);
+  dem::WorldSettings world = plain.settings();
+  world.particle_materials = changed.grain_materials;
+  world.track_energy = settings.track_energy;
+  world.gravity = bed_from_rig * world.gravity;
+  const double longest = soil.step_fraction * plain.rayleigh_step();
+  world.time_step = settings.rig_step / std::ceil(settings.rig_step / longest);
+  dem::System system(world, changed.materials, plain.templates());
+  system.restore(changed.state);
+  return system;
+}
+
+Matrix3d turn_about_y(double slope) {
+  // The surface rises along the rig's x: its direction is (cos, 0, sin) in rig axes.
+  Matrix3d bed_from_rig;
+  bed_from_rig << std::cos(slope), 0.0, std::sin(slope), 0.0, 1.0, 0.0, -std::sin(slope), 0.0,
+      std::cos(slope);
+  return bed_from_rig;
+}
+
+}  // namespace
+
+DemSoil::DemSoil(const dem::GranularSoil& soil, const dem::Bed& bed,
+                 const std::vector<wheel::SegmentShape>& wheel, const DemSoilSettings& settings,
+                 const std::vector<const rig::SoilPort*>& ports)
+    : DemSoil(soil, bed, change_bed(soil, bed, settings.start_x, ports), wheel, settings) {}
+
+DemSoil::DemSoil(const dem::GranularSoil& soil, const dem::Bed& bed, const ChangedBed& changed,
+                 const std::vector<wheel::SegmentShape>& wheel, const DemSoilSettings& settings)
+    : bed_from_rig_(turn_about_y(changed.slope)),
+      start_x_(settings.start_x),
+      system_(make_system(soil, bed, changed, settings, bed_from_rig_)) {
+  if (changed.changed) {
+    constexpr double settling_time = 0.005;  // s between two quenches
+    for (int quench = 0; quench < 10; ++quench) {
+      system_.step(static_cast<int>(std::ceil(settling_time / system_.time_step())));
+      system_.stop_all();
+    }
+  }
+  const std::vector<dem::Mesh> faces = wheel_faces(wheel);
+  const auto wall_material = static_cast<std::uint32_t>(system_.settings().particle_materials);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    dem::Wall wall;
+    wall.name = fmt::format("rim segment {}", i);
+    wall.material = wall_material;
+    wall.shape = faces[i];
+    wall.pose.position = {0.0, 0.0, settings.headroom + 1.0};  // out of the way until the first step
+    wall.surface = 0;
+    const std::uint32_t number = system_.add_wall(wall);
+    if (i == 0) first_wall_ = number;
+  }
+  loads_.resize(faces.size());
+}
+
+Vector3d DemSoil::to_bed(const Vector3d& point_rig) const {
+  return bed_from_rig_ * point_rig + Vector3d(start_x_, 0.0, 0.0);
+}
+
+Vector3d DemSoil::to_rig(const Vector3d& point_bed) const {
+  return bed_from_rig_.transpose() * (point_bed - Vector3d(start_x_, 0.0, 0.0));
+}
+
+const std::vector<wheel::Wrench>& DemSoil::advance(std::int64_t /*step*/,
+                                                   const std::vector<wheel::SegmentState>& segments) {
+  const Eigen::Quaterniond turn(bed_from_rig_);
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    const wheel::SegmentState& segment = segments[i];
+    system_.set_wall_pose(first_wall_ + static_cast<std::uint32_t>(i),
+                          {to_bed(segment.position), turn * segment.orientation},
+                          {bed_from_rig_ * segment.velocity, bed_from_rig_ * segment.angular_velocity});
+  }
+  system_.step();
+  for (std::size_t i = 0; i < loads_.size(); ++i) {
+    const dem::Wrench wrench = system_.wall_wrench(first_wall_ + static_cast<std::uint32_t>(i));
+    loads_[i].force = bed_from_rig_.transpose() * wrench.force;
+    loads_[i].torque = bed_from_rig_.transpose() * wrench.torque;
+  }
+  return loads_;
+}
+
+double DemSoil::first_touch(double x, double radius, double width) const {
+  const dem::WorldSettings& world = system_.settings();
+  const double length = world.high.x() - world.low.x();
+  double height = -1e30;
+  for (const dem::SphereState& sphere : system_.spheres()) {
+    Vector3d center = sphere.center;
+    if (std::abs(center.y()) > 0.5 * width + sphere.radius) continue;
+    const double middle = to_bed({x, 0.0, 0.0}).x();
+    if (world.periodic_x) center.x() -= length * std::round((center.x() - middle) / length);
+    center = to_rig(center);
+    const double reach = radius + sphere.radius;
+    const double along = center.x() - x;
+    if (std::abs(along) < reach)
+      height = std::max(height, center.z() + std::sqrt(reach * reach - along * along));
+  }
+  return height;
+}
+
+std::string DemSoil::fingerprint() const {
+  return dem::system_fingerprint(system_);
+}
+
+}  // namespace wheel_twin::cosim
