@@ -10,20 +10,12 @@
 #include "base/error.h"
 #include "logs/cmu_testbed_bag.h"
 #include "logs/cmu_testbed_motion.h"
+#include "run_log/interpolate.h"
 
 namespace wheel_twin::logs::cmu {
 namespace {
 
 namespace fs = std::filesystem;
-
-double interpolate(const run_log::ScalarSeries& series, double time) {
-  const auto after = std::lower_bound(series.time.begin(), series.time.end(), time);
-  if (after == series.time.begin()) return series.value.front();
-  if (after == series.time.end()) return series.value.back();
-  const auto i = static_cast<std::size_t>(after - series.time.begin());
-  const double share = (time - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
-  return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
-}
 
 // Scatter of force about a polynomial of degree 7 in depth, the depth taken `lag` later.
 double scatter(const run_log::ScalarSeries& force, const run_log::ScalarSeries& depth, double lag) {
@@ -31,7 +23,7 @@ double scatter(const run_log::ScalarSeries& force, const run_log::ScalarSeries& 
   const auto n = static_cast<Eigen::Index>(force.time.size());
   Eigen::VectorXd d(n);
   for (Eigen::Index i = 0; i < n; ++i)
-    d[i] = interpolate(depth, force.time[static_cast<std::size_t>(i)] + lag);
+    d[i] = run_log::value_at(depth, force.time[static_cast<std::size_t>(i)] + lag);
   const double low = d.minCoeff(), span = std::max(d.maxCoeff() - low, 1e-9);
   Eigen::MatrixXd basis(n, terms);
   for (Eigen::Index i = 0; i < n; ++i) {

@@ -10,7 +10,6 @@
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 
-#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -40,9 +39,7 @@ struct Settings {
 };
 
 Settings read_settings(const ros::NodeHandle& node) {
-  XmlRpc::XmlRpcValue values;
-  node.getParam(node.getNamespace(), values);
-  Params params(values, node.getNamespace());
+  Params params = params_of(node);
   Settings s;
   s.soil = params.text("soil", "mars_simulant");
   s.bed.length = params.number("length", s.bed.length, {0.03, 10.0});
@@ -50,15 +47,12 @@ Settings read_settings(const ros::NodeHandle& node) {
   s.bed.depth = params.number("depth", s.bed.depth, {0.02, 2.0});
   s.bed.seed = static_cast<std::uint64_t>(params.integer("seed", 1, 0, 1000000000));
   s.threads = params.integer("threads", 1, 1, 64);
-  s.save_path = params.text("save_path", "");
+  s.save_path = params.absolute_path("save_path");
   s.frame = params.text("frame_id", "rig");
   s.rate = params.number("publish_rate", 1.0, {0.01, fastest_rate});
   s.rut_half_width = params.number("rut_half_width", 0.03, {0.001, 1.0});
   s.prepare_at_start = params.boolean("prepare_at_start", true);
   params.finish();
-  if (!s.save_path.empty() && std::filesystem::path(s.save_path).is_relative())
-    throw Error(fmt::format("parameter {}/save_path: '{}' must be an absolute path", node.getNamespace(),
-                            s.save_path));
   return s;
 }
 

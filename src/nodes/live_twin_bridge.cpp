@@ -39,9 +39,7 @@ struct Settings {
 };
 
 Settings read_settings(const ros::NodeHandle& node) {
-  XmlRpc::XmlRpcValue values;
-  node.getParam(node.getNamespace(), values);
-  Params params(values, node.getNamespace());
+  Params params = params_of(node);
   Settings s;
   s.setup = read_rig_setup(params);
   if (s.setup.fidelity != "semi_empirical")

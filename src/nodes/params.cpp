@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <ros/node_handle.h>
 
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <utility>
 
 #include "base/error.h"
@@ -98,11 +100,26 @@ std::string Params::choice(const std::string& key, const std::string& fallback,
   return chosen;
 }
 
+std::string Params::absolute_path(const std::string& key) {
+  std::string path = text(key, "");
+  if (!path.empty() && std::filesystem::path(path).is_relative())
+    fail(key, fmt::format("'{}' must be an absolute path: a node has no working directory of its own under "
+                          "roslaunch",
+                          path));
+  return path;
+}
+
 void Params::finish() const {
   if (values_.getType() != XmlRpcValue::TypeStruct) return;
   XmlRpcValue values = values_;
   for (const auto& entry : values)
     if (read_.count(entry.first) == 0) fail(entry.first, "is not known");
+}
+
+Params params_of(const ros::NodeHandle& private_node) {
+  XmlRpcValue values;
+  private_node.getParam(private_node.getNamespace(), values);
+  return {values, private_node.getNamespace()};
 }
 
 }  // namespace wheel_twin::nodes

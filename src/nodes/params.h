@@ -12,6 +12,10 @@
 
 #include "base/yaml.h"
 
+namespace ros {
+class NodeHandle;
+}
+
 namespace wheel_twin::nodes {
 
 class Params {
@@ -28,6 +32,9 @@ class Params {
   std::string text(const std::string& key, const std::string& fallback);
   std::string choice(const std::string& key, const std::string& fallback,
                      const std::set<std::string>& allowed);
+  /// Empty when it is not set. Under roslaunch a node has no working directory of its own: a relative path is
+  /// refused.
+  std::string absolute_path(const std::string& key);
 
   void finish() const;  ///< refuses parameters that nobody read
 
@@ -39,5 +46,8 @@ class Params {
   std::string name_;
   std::set<std::string> read_;
 };
+
+/// All parameters of the node's private namespace, as the server has them now.
+Params params_of(const ros::NodeHandle& private_node);
 
 }  // namespace wheel_twin::nodes

@@ -46,23 +46,16 @@ struct Settings {
 };
 
 Settings read_settings(const ros::NodeHandle& node) {
-  XmlRpc::XmlRpcValue values;
-  node.getParam(node.getNamespace(), values);
-  Params params(values, node.getNamespace());
+  Params params = params_of(node);
   Settings s;
   s.setup = read_rig_setup(params);
-  s.bag = params.text("bag", "");
+  s.bag = params.absolute_path("bag");
   s.frame = params.text("frame_id", "ft_sensor");
   s.real_time_factor = params.number("real_time_factor", 1.0, {0.0, 1e6});
   s.hold_at_travel = params.number("hold_at_travel", 0.0, {0.0, 10.0});
   s.autostart = params.boolean("autostart", true);
   s.publish_clock = params.boolean("publish_clock", false);
   params.finish();
-  if (!s.bag.empty() && std::filesystem::path(s.bag).is_relative())
-    throw Error(
-        fmt::format("parameter {}/bag: '{}' must be an absolute path: a node has no working directory of its "
-                    "own under roslaunch",
-                    node.getNamespace(), s.bag));
   return s;
 }
 

@@ -7,19 +7,11 @@
 
 #include "base/error.h"
 #include "logs/bag_reader.h"
+#include "run_log/interpolate.h"
 #include "twin/plate_fit.h"
 
 namespace wheel_twin::twin {
 namespace {
-
-double depth_at(const run_log::ScalarSeries& series, double time) {
-  const auto after = std::lower_bound(series.time.begin(), series.time.end(), time);
-  if (after == series.time.begin()) return series.value.front();
-  if (after == series.time.end()) return series.value.back();
-  const auto i = static_cast<std::size_t>(after - series.time.begin());
-  const double share = (time - series.time[i - 1]) / (series.time[i] - series.time[i - 1]);
-  return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
-}
 
 void read_bag(const std::string& path, PressCurve& curve) {
   const run_log::RunLog log = logs::read_run_log(path);
@@ -27,7 +19,7 @@ void read_bag(const std::string& path, PressCurve& curve) {
     throw Error(fmt::format("{}: a pressing needs both wrench and displacement", path));
   for (std::size_t i = 0; i < log.ft.time.size(); ++i) {
     if (log.ft.time[i] < log.draw_wire.time.front() || log.ft.time[i] > log.draw_wire.time.back()) continue;
-    curve.depth.push_back(depth_at(log.draw_wire, log.ft.time[i]));
+    curve.depth.push_back(run_log::value_at(log.draw_wire, log.ft.time[i]));
     curve.force.push_back(log.ft.force[i].z());
   }
 }

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "../message_of.h"
 
 namespace wheel_twin::yaml {
 namespace {
@@ -13,16 +13,6 @@ using testing::HasSubstr;
 
 Map parse(const std::string& text) {
   return parse_text(text, "a.yaml");
-}
-
-template <typename Action>
-std::string message_of(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Yaml, ReadsNumbersAsAPersonWould) {

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string>
 
-#include "base/error.h"
+#include "../message_of.h"
 #include "base/random.h"
 #include "run_log/run_log.h"
 
@@ -42,16 +42,6 @@ inline std::string bytes_of(const std::string& path) {
 
 inline void put_bytes(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
-template <typename Action>
-std::string message_of(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 inline double rounded(double value, double resolution) {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "base/error.h"
+#include "../message_of.h"
 
 namespace wheel_twin::nodes {
 namespace {
@@ -20,16 +20,6 @@ XmlRpcValue values() {
   v["word"] = std::string("fast");
   v["flag"] = true;
   return v;
-}
-
-template <typename Call>
-std::string message_of(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Params, ReadsNumbersOfEveryKind) {
@@ -54,6 +44,17 @@ TEST(Params, RefusesWhatIsNotANumberInsteadOfTakingTheDefault) {
     EXPECT_THAT(message_of([&] { odd.number("x", 1.0); }), HasSubstr("is not a number"))
         << "'" << text << "'";
   }
+}
+
+TEST(Params, RefusesRelativePaths) {
+  XmlRpcValue v;
+  v["bag"] = std::string("run.bag");
+  v["picture"] = std::string("/tmp/rig.png");
+  Params params(v, "/rig");
+  EXPECT_THAT(message_of([&] { params.absolute_path("bag"); }),
+              HasSubstr("/rig/bag: 'run.bag' must be an absolute path"));
+  EXPECT_EQ(params.absolute_path("picture"), "/tmp/rig.png");
+  EXPECT_EQ(params.absolute_path("absent"), "");
 }
 
 TEST(Params, RefusesValuesOutOfRangeAndOfTheWrongType) {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
+#include "../message_of.h"
 #include "test_contact.h"
 
 namespace wheel_twin::rig {
@@ -142,16 +142,6 @@ TEST(FreeRun, StopsWhenAPersonPressesStop) {
   early.advance();
   early.stop();
   EXPECT_TRUE(early.done());
-}
-
-template <typename Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(FreeRun, RefusesImpossibleRuns) {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "base/error.h"
+#include "../message_of.h"
 #include "test_contact.h"
 
 namespace wheel_twin::rig {
@@ -295,16 +295,6 @@ TEST(SensorPorts, ChangeReadingsAndNothingElse) {
   EXPECT_NEAR(step.readings.displacement - step.state.hub_displacement, 4e-5 * 42.1, 1e-9);
   EXPECT_NEAR(step.readings.joints.wheel_effort, -step.load.drive_torque, 1e-12);
   EXPECT_EQ(rig.draw_wire_delay(), 0.25);
-}
-
-template <typename Call>
-std::string message_of(const Call& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 TEST(Rig, RefusesWhatARealRigRefuses) {

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string>
 
-#include "base/error.h"
+#include "../message_of.h"
 #include "rig/profile.h"
 #include "rig/sensor_settings.h"
 
@@ -34,12 +34,7 @@ std::string with(const std::string& file, const std::string& old_piece, const st
 
 template <typename Read>
 std::string message_of(const Read& read, const std::string& text) {
-  try {
-    read(yaml::parse_text(text, "test.yaml"));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
+  return wheel_twin::message_of([&] { read(yaml::parse_text(text, "test.yaml")); });
 }
 
 TEST(RigFiles, ShippedOnesAreRead) {
