@@ -20,7 +20,9 @@
 namespace wheel_twin::dem {
 namespace {
 
-constexpr int method_version = 3;  // of the recipe below: a change of it changes every bed
+constexpr int method_version = 4;        // of the recipe below: a change of it changes every bed
+constexpr double highest_rolling = 1.0;  // rolling friction while filling
+constexpr double headroom = 0.1;         // m over the cloud: a grain may be thrown up
 
 double grain_size(const GranularSoil& soil) {
   return 2.0 * soil.clumps.smallest_radius() / soil.clumps.smallest_size;
@@ -54,9 +56,27 @@ double cloud_height(const GranularSoil& soil, const BedSettings& s) {
          (s.length * s.width * s.cloud_density);
 }
 
+// Friction up to the grains' own slides; what is beyond it resists rolling.
+PairProperties while_filling(const GranularSoil& soil, double fill_friction) {
+  PairProperties pair = soil.grain_grain;
+  pair.friction = std::min(fill_friction, soil.grain_grain.friction);
+  pair.rolling_friction += std::max(0.0, fill_friction - soil.grain_grain.friction);
+  return pair;
+}
+
+// Gives the grains their own friction back. Grains that lose their hold creep to the nearest rest, their
+// velocities being taken away again and again, instead of falling and compacting the bed.
+void restore_friction(const GranularSoil& soil, System& system) {
+  system.set_pair(GranularSoil::grain_material, GranularSoil::grain_material, soil.grain_grain);
+  for (int i = 0; i < 200; ++i) {
+    system.stop_all();
+    system.step(50);
+  }
+}
+
 System clouded_system(const GranularSoil& soil, const BedSettings& s, double friction, int threads) {
   const double height = cloud_height(soil, s);
-  System system = bed_world(soil, s, height - s.depth + 0.02, threads);
+  System system = bed_world(soil, s, height - s.depth + headroom, threads);
   Random random(s.seed);
   CloudRegion region;
   region.low = {0.0, -0.5 * s.width, -s.depth};
@@ -64,9 +84,7 @@ System clouded_system(const GranularSoil& soil, const BedSettings& s, double fri
   region.periodic_x = s.periodic_x;
   region.periodic_y = s.periodic_y;
   system.add(random_cloud(soil.clumps, region, clump_count(soil, s), random, GranularSoil::grain_material));
-  PairProperties lowered = soil.grain_grain;
-  lowered.friction = friction;
-  system.set_pair(GranularSoil::grain_material, GranularSoil::grain_material, lowered);
+  system.set_pair(GranularSoil::grain_material, GranularSoil::grain_material, while_filling(soil, friction));
   return system;
 }
 
@@ -84,12 +102,26 @@ double tuned_friction(const GranularSoil& soil, const BedSettings& s, int thread
   column.width = std::min(s.width, 14.0 * grain_size(soil));
   Progress progress("bed: friction while filling", 12.0);
   double evaluations = 0.0;
-  return tune_friction(soil.packing_density, soil.grain_grain.friction, 0.0015, [&](double friction) {
+  const auto density = [&](double friction) {
     System system = clouded_system(soil, column, friction, threads);
-    settle(system, fall_settings(soil, column));
+    const SettleSettings fall = fall_settings(soil, column);
+    settle(system, fall);
+    restore_friction(soil, system);
+    SettleSettings rest = fall;
+    rest.shortest_time = 0.01;
+    settle(system, rest);
     progress.update(++evaluations);
     return packing_density(system, inner_region(soil, column));
-  });
+  };
+  constexpr double tolerance = 0.0015;
+  const double own = soil.grain_grain.friction;
+  const double target = soil.packing_density;
+  const double at_own = density(own);
+  if (std::abs(at_own - target) <= tolerance) return own;
+  if (at_own < target)
+    return tune_friction(target, own, tolerance, [&](double mu) { return mu == own ? at_own : density(mu); });
+  return own + tune_friction(target, highest_rolling, tolerance,
+                             [&](double rolling) { return density(own + rolling); });
 }
 
 // Cuts the bed so that the mean of the surface lies at z = 0.
@@ -211,14 +243,13 @@ Bed make_bed(const GranularSoil& soil, const BedSettings& s, int threads,
     work.phase = static_cast<Phase>(static_cast<int>(archive.number("phase")));
     work.fill_friction = archive.number("fill_friction");
     work.phase_start = archive.number("phase_start");
-    made.emplace(bed_world(soil, s, cloud_height(soil, s) - s.depth + 0.02, threads));
+    made.emplace(bed_world(soil, s, cloud_height(soil, s) - s.depth + headroom, threads));
     if (archive.text("system") != system_fingerprint(*made))
       throw Error(fmt::format("{}: belongs to another bed", checkpoint_path));
     made->restore(load_state(archive));
     if (work.phase == Phase::filling) {
-      PairProperties lowered = soil.grain_grain;
-      lowered.friction = work.fill_friction;
-      made->set_pair(GranularSoil::grain_material, GranularSoil::grain_material, lowered);
+      made->set_pair(GranularSoil::grain_material, GranularSoil::grain_material,
+                     while_filling(soil, work.fill_friction));
     }
   } else {
     work.fill_friction = s.fill_friction ? *s.fill_friction : tuned_friction(soil, s, threads);
@@ -245,7 +276,7 @@ Bed make_bed(const GranularSoil& soil, const BedSettings& s, int threads,
   };
   if (work.phase == Phase::filling) {
     run_phase(fall);
-    system.set_pair(GranularSoil::grain_material, GranularSoil::grain_material, soil.grain_grain);
+    restore_friction(soil, system);
     work.phase = Phase::friction_restored;
   }
   if (work.phase == Phase::friction_restored) {

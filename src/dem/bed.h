@@ -1,7 +1,7 @@
-// Settled soil beds. A cloud of clumps falls under gravity with the friction lowered until the wanted packing
-// density comes out (found on a small column of the same depth), the friction is restored, the surface is
-// levelled and the bed settles again (paper, Section 6.2). Frame of the bed: x from 0 along travel, y to the
-// left from the middle, z up with 0 at the mean surface and the floor at -depth. SI units.
+// Settled soil beds. A cloud of clumps falls under gravity with a friction that gives the wanted packing
+// density (found on a small column of the same depth), the friction is restored, the surface is levelled and
+// the bed settles again (paper, Section 6.2). Frame of the bed: x from 0 along travel, y to the left from the
+// middle, z up with 0 at the mean surface and the floor at -depth. SI units.
 #pragma once
 
 #include <Eigen/Core>
@@ -26,8 +26,9 @@ struct BedSettings {
   double gravity = 9.81;  ///< m/s^2
   std::uint64_t seed = 1;
   double cloud_density = 0.24;  ///< packing density of the cloud; smaller: a taller fall
-  std::optional<double>
-      fill_friction;  ///< grain to grain while filling; nothing: tuned to the packing density
+  /// Grain to grain while filling: up to the grains' own friction it slides, what is beyond that resists
+  /// rolling (a looser bed than friction alone gives). Nothing: tuned to the packing density.
+  std::optional<double> fill_friction;
 };
 
 struct BedReport {

@@ -36,14 +36,13 @@ double settle(System& system, const SettleSettings& settings, const SettleObserv
   return system.time() - start;
 }
 
-double tune_friction(double target, double full, double tolerance,
+double tune_friction(double target, double highest, double tolerance,
                      const std::function<double(double)>& density) {
-  double high = full;
+  double high = highest;
   double excess_high = density(high) - target;
   if (excess_high > tolerance)
-    throw Error(
-        fmt::format("packing density {:.3f} is out of reach: at full friction {} it is already {:.3f}",
-                    target, full, excess_high + target));
+    throw Error(fmt::format("packing density {:.3f} is out of reach: at friction {} it is already {:.3f}",
+                            target, highest, excess_high + target));
   if (std::abs(excess_high) <= tolerance) return high;
   // Down by thirds until the packing is dense enough.
   double low = high;

@@ -27,10 +27,10 @@ using SettleObserver = std::function<void(double time)>;
 /// at the longest time: kinetic energy above a thousand times the fraction.
 double settle(System& system, const SettleSettings& settings, const SettleObserver& observer = {});
 
-/// Friction between 0.004 and `full` at which `density(friction)` is `target` within `tolerance`; density
+/// Friction between 0.004 and `highest` at which `density(friction)` is `target` within `tolerance`; density
 /// falls with friction. Bracketed secant (Illinois). Throws Error when the target is out of reach, with the
 /// reachable range.
-double tune_friction(double target, double full, double tolerance,
+double tune_friction(double target, double highest, double tolerance,
                      const std::function<double(double)>& density);
 
 }  // namespace wheel_twin::dem

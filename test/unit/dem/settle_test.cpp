@@ -36,7 +36,7 @@ TEST(TuneFriction, SaysWhatIsOutOfReach) {
     }
     return std::string();
   };
-  EXPECT_NE(message(0.50).find("at full friction 0.9 it is already 0.545"), std::string::npos);
+  EXPECT_NE(message(0.50).find("at friction 0.9 it is already 0.545"), std::string::npos);
   EXPECT_NE(message(0.70).find("0.700 is out of reach"), std::string::npos);
 }
 
