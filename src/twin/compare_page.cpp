@@ -309,6 +309,11 @@ std::string soil_part(const ExperimentComparison& comparison) {
   return html + page::table({"Parameter", "Value", "Error", "Unit"}, rows);
 }
 
+// What would be shown as -0.000 without its sign.
+double unsigned_zero(double value) {
+  return std::abs(value) < 5e-4 ? 0.0 : value;
+}
+
 std::string mount_part(const ExperimentComparison& comparison) {
   const rig::MountSettings& mount = comparison.rig.mount;
   const std::string law = "M_y = −arm_z F_x + arm_x F_z + share T";
@@ -332,8 +337,9 @@ std::string mount_part(const ExperimentComparison& comparison) {
                                             "{:.3f} N m are left. A share of −1 is what "
                                             "statics says of a motor on the tool side; +1 is a log that "
                                             "counts the motor’s torque on the wheel.",
-                                            law, mount.arm_x, fit.arm_x_error, mount.arm_z, fit.arm_z_error,
-                                            mount.drive_torque_share, fit.share_error, fit.residual));
+                                            law, unsigned_zero(mount.arm_x), fit.arm_x_error, mount.arm_z,
+                                            fit.arm_z_error, mount.drive_torque_share, fit.share_error,
+                                            fit.residual));
 }
 
 }  // namespace
@@ -351,7 +357,7 @@ std::string comparison_page(const ExperimentComparison& comparison) {
   html += page::paragraph(fmt::format(
       "{} runs with the wheel “{}”. The twin is led by the measured motion of each run, under the {} load, "
       "and says what every "
-      "sensor should have read; nothing is fitted to the runs, the residual is shown as it is.{}",
+      "sensor should have read; no soil or wheel is fitted to the runs, the residual is shown as it is.{}",
       runs.size(), comparison.experiment.wheel.name, measured_load ? "measured mean" : "declared",
       failed > 0 ? fmt::format(" For {} runs it has no prediction; the table of runs says why.", failed)
                  : ""));
