@@ -175,12 +175,13 @@ std::vector<ImportedRun> read_driving_runs(const std::string& directory, ImportS
   const std::vector<RunRow> rows = read_runs(path_of(directory, "runs.csv"), summary.remarks);
   Progress progress("reading runs", static_cast<double>(rows.size()));
   std::vector<double> cycle_errors, skews;
-  std::size_t without = 0;
+  std::size_t without = 0, steered = 0;
   for (const RunRow& row : rows) {
     ImportedRun run;
     run.row = row;
     const std::string name = fmt::format("{}/{}/{}", row.wheel, row.day, row.file);
     check_row(row, name, oddities);
+    if (std::abs(row.angle_deg) > 1.0) ++steered;
     const std::string file = path_of(directory, fmt::format("kinematics/{}.txt", name));
     if (fs::is_regular_file(file)) {
       const Kinematics kinematics = read_kinematics(file, summary.remarks);
@@ -203,6 +204,9 @@ std::vector<ImportedRun> read_driving_runs(const std::string& directory, ImportS
     progress.update(static_cast<double>(runs.size()));
   }
   oddities.report(summary.remarks);
+  if (steered > 0)
+    summary.remarks.push_back(fmt::format(
+        "the sensor turns with the wheel: forces of {} steered runs turned into rig axes", steered));
   if (without > 0)
     summary.remarks.push_back(
         fmt::format("{} of {} runs have no kinematics: window averages alone", without, rows.size()));

@@ -231,6 +231,7 @@ TEST_F(DamagedSample, ForcesOfASteeredRunAreTurnedIntoRigAxes) {
   EXPECT_NEAR(run.averages->side_force->mean, 8.4518, 1e-4);
   EXPECT_NEAR(*run.averages->drawbar_pull->std, 4.0, 1e-4);
   EXPECT_NEAR(*run.averages->side_force->std, 3.0, 1e-4);
+  EXPECT_THAT(summary_.remarks, ::testing::Contains(::testing::HasSubstr("forces of 1 steered runs")));
 }
 
 TEST_F(DamagedSample, MissingKinematicsAndPlatesAreNoError) {
