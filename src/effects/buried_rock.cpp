@@ -15,9 +15,7 @@ class BuriedRock final : public Effect, public rig::SoilPort {
 
   void attach(rig::Ports& ports) const override { ports.soil.push_back(this); }
 
-  double stiffness_factor(const rig::RigState& state, double /*depth*/) const override {
-    return 1.0 + bump(state.x);
-  }
+  double stiffness_factor(const rig::RigState& state) const override { return 1.0 + bump(state.x); }
   Eigen::Vector3d added_force(const rig::RigState& state, double normal_load) const override {
     const double slope_of_bump = -bump(state.x) * (state.x - position_) / (half_width_ * half_width_);
     const double rise_per_metre =

@@ -12,7 +12,7 @@ class DensityGradient final : public Effect, public rig::SoilPort {
 
   void attach(rig::Ports& ports) const override { ports.soil.push_back(this); }
 
-  double stiffness_factor(const rig::RigState& state, double /*depth*/) const override {
+  double stiffness_factor(const rig::RigState& state) const override {
     return std::max(0.05, 1.0 + slope_ * state.x);
   }
 

@@ -10,7 +10,8 @@ class HardLayer final : public Effect, public rig::SoilPort {
 
   void attach(rig::Ports& ports) const override { ports.soil.push_back(this); }
 
-  double stiffness_factor(const rig::RigState&, double depth) const override {
+  bool layered() const override { return true; }
+  double layer_factor(const rig::RigState&, double depth) const override {
     const double ratio = depth / depth_;
     return 1.0 + ratio * ratio * ratio;
   }

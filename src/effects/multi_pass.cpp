@@ -10,7 +10,7 @@ class MultiPass final : public Effect, public rig::SoilPort {
 
   void attach(rig::Ports& ports) const override { ports.soil.push_back(this); }
 
-  double stiffness_factor(const rig::RigState&, double /*depth*/) const override { return 1.0 + stiffening_; }
+  double stiffness_factor(const rig::RigState&) const override { return 1.0 + stiffening_; }
 
  private:
   double stiffening_;

@@ -21,7 +21,7 @@ class SlipLoosening final : public Effect, public rig::SoilPort {
 
   void attach(rig::Ports& ports) const override { ports.soil.push_back(this); }
 
-  double stiffness_factor(const rig::RigState& state, double /*depth*/) const override {
+  double stiffness_factor(const rig::RigState& state) const override {
     const double s = state.slip;
     if (s < 0.0) return 1.0 / (1.0 + braking_gain_ * s * s * std::sqrt(-s));
     // A wheel that spins on the spot would dig for ever where the shape is at most 0.

@@ -26,8 +26,11 @@ struct RigState {
 class SoilPort {
  public:
   virtual ~SoilPort() = default;
-  /// Factor on the pressure of the pressure-sinkage law at depth z (m) below the undisturbed surface.
-  virtual double stiffness_factor(const RigState&, double /*depth*/) const { return 1.0; }
+  /// Factor on the pressure of the pressure-sinkage law, the same at every depth.
+  virtual double stiffness_factor(const RigState&) const { return 1.0; }
+  /// A further factor at depth z (m) below the undisturbed surface, asked where `layered`.
+  virtual bool layered() const { return false; }
+  virtual double layer_factor(const RigState&, double /*depth*/) const { return 1.0; }
   virtual double added_cohesion(const RigState&) const { return 0.0; }  ///< Pa
   /// Sinkage of the undisturbed law times this.
   virtual double sinkage_factor(const RigState&) const { return 1.0; }

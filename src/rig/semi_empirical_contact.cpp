@@ -16,14 +16,14 @@ using terramechanics::ContactState;
 using terramechanics::Operation;
 using terramechanics::SoilChange;
 
-/// All stiffness factors of the ports at one state of the rig.
+/// The layers of the ports at one state of the rig.
 class PortFactor : public terramechanics::DepthFactor {
  public:
   PortFactor(const std::vector<const SoilPort*>& ports, const RigState& state)
       : ports_(ports), state_(state) {}
   double operator()(double depth) const override {
     double factor = 1.0;
-    for (const SoilPort* port : ports_) factor *= port->stiffness_factor(state_, depth);
+    for (const SoilPort* port : ports_) factor *= port->layer_factor(state_, depth);
     return factor;
   }
 
@@ -44,7 +44,7 @@ struct SemiEmpiricalContact::Moment {
 SemiEmpiricalContact::SemiEmpiricalContact(const terramechanics::Wheel& wheel,
                                            const terramechanics::Soil& soil, Ports ports,
                                            SemiEmpiricalOptions options)
-    : model_(wheel, soil), ports_(std::move(ports)), options_(options) {
+    : model_(wheel, soil, options.table), ports_(std::move(ports)), options_(std::move(options)) {
   if (!(options_.damping >= 0.0))
     throw Error(fmt::format("semi-empirical contact: damping {:g} s/m is negative", options_.damping));
 }
@@ -118,7 +118,8 @@ HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
     slope += port->surface_slope(rig);
     change.added_cohesion += port->added_cohesion(rig);
     change.sinkage_factor *= port->sinkage_factor(rig);
-    change.depth_factor = &factor;
+    change.stiffness_factor *= port->stiffness_factor(rig);
+    if (port->layered()) change.depth_factor = &factor;
   }
   for (const WheelPort* port : ports_.wheel) rise += port->hub_rise(rig);
   now_.surface = before_.surface + (now_.x - before_.x) * std::tan(slope);

@@ -23,6 +23,7 @@ struct SemiEmpiricalOptions {
   double damping = 10.0;  ///< force factor 1 + damping times indentation speed, s/m, at least 0
   /// Half contact lengths of travel over which a wheel that starts leaves its print, at least 0; 0: at once.
   double start_up = 1.0;
+  std::shared_ptr<const terramechanics::ContactTable> table = nullptr;  ///< as of WheelOnSoil
 };
 
 class SemiEmpiricalContact : public Contact {

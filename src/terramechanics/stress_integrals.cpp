@@ -37,6 +37,19 @@ struct Sums {
   }
 };
 
+/// Thrust of the grousers a metre of rim (paper, F_g): at the surface, and its growth with depth.
+struct GrouserStrength {
+  double at_surface = 0.0, with_depth = 0.0;
+};
+
+GrouserStrength grouser_strength(double R, const ContactLaw& law) {
+  const double root = std::tan(0.25 * M_PI + 0.5 * std::atan(law.tan_phi));  // sqrt(N_phi)
+  const double h = law.grouser_height;
+  const double line = law.grousers / (2.0 * M_PI * R);  // grousers a metre of rim
+  return {line * (0.5 * law.weight_density * h * h * root * root + 2.0 * law.c * h * root),
+          line * law.weight_density * h * root * root};
+}
+
 /// A place on the contact.
 struct Point {
   double zeta;      // depth that carries the normal stress, m
@@ -65,11 +78,7 @@ class Integrator {
     sin_d_ = std::sin(g.theta_d), cos_d_ = std::cos(g.theta_d);
     if (g.theta_m > g.theta_2) mirror_ = (g.theta_1 - g.theta_m) / (g.theta_m - g.theta_2);
     if constexpr (Full) {
-      const double root = std::tan(0.25 * M_PI + 0.5 * std::atan(law.tan_phi));  // sqrt(N_phi)
-      const double h = law.grouser_height;
-      const double line = law.grousers / (2.0 * M_PI * g.R);  // grousers a metre of rim
-      grouser_0_ = line * (0.5 * law.weight_density * h * h * root * root + 2.0 * law.c * h * root);
-      grouser_z_ = line * law.weight_density * h * root * root;
+      set_grousers(grouser_strength(g.R, law));
       if (steering_) {
         const double phi = std::atan(law.tan_phi);
         const double cot_x =
@@ -80,6 +89,11 @@ class Integrator {
         wall_w_ = 0.5 * d_1 * d_2 * law.weight_density;
       }
     }
+  }
+
+  void set_grousers(const GrouserStrength& strength) {
+    grouser_0_ = strength.at_surface;
+    grouser_z_ = strength.with_depth;
   }
 
   Sums run() {
@@ -418,6 +432,45 @@ ContactLoads contact_loads(const ContactGeometry& geometry, const RimMotion& mot
   loads.torque = area * (R * sums.tau + arm * sums.grouser_torque);
   loads.moment_x = area * R * sums.side_cos + R * sums.wall_moment_x;
   loads.moment_z = area * R * sums.side_sin + R * sums.wall_moment_z;
+  return loads;
+}
+
+LoadBasis load_basis(const ContactGeometry& geometry, const RimMotion& motion, const ContactLaw& law) {
+  ContactLaw unit;
+  unit.n = law.n;
+  unit.K = law.K;
+  unit.k_eq = 1.0;
+  unit.tan_phi = 1.0;
+  Integrator<true> frictional(geometry, motion, unit);
+  frictional.set_grousers({0.0, 1.0});
+  const Sums f = frictional.run();
+  unit.k_eq = 0.0;
+  unit.tan_phi = 0.0;
+  unit.c = 1.0;
+  Integrator<true> cohesive(geometry, motion, unit);
+  cohesive.set_grousers({1.0, 0.0});
+  const Sums c = cohesive.run();
+  return {f.sigma_cos, f.sigma_sin, f.tau_cos, f.tau_sin,        f.tau,     c.tau_cos,
+          c.tau_sin,   c.tau,       c.grouser, c.grouser_torque, f.grouser, f.grouser_torque};
+}
+
+double combined_vertical(const LoadBasis& basis, double radius, const ContactLaw& law) {
+  return law.b * radius *
+         (law.k_eq * (basis.pressure_cos + law.tan_phi * basis.friction_sin) + law.c * basis.cohesion_sin);
+}
+
+ContactLoads combined(const LoadBasis& basis, double radius, const ContactLaw& law) {
+  const double area = law.b * radius, shear = law.k_eq * law.tan_phi;
+  const GrouserStrength grouser = grouser_strength(radius, law);
+  ContactLoads loads;
+  loads.vertical = combined_vertical(basis, radius, law);
+  loads.thrust = area * (shear * basis.friction_cos + law.c * basis.cohesion_cos);
+  loads.compaction_resistance = area * law.k_eq * basis.pressure_sin;
+  loads.grouser_thrust = area * (grouser.at_surface * basis.wedge + grouser.with_depth * basis.overburden);
+  const double arm = radius + 0.5 * law.grouser_height;
+  loads.torque =
+      area * (radius * (shear * basis.friction + law.c * basis.cohesion) +
+              arm * (grouser.at_surface * basis.wedge_torque + grouser.with_depth * basis.overburden_torque));
   return loads;
 }
 

@@ -15,6 +15,8 @@
 // away by theta = end + length t^3. Pieces whose exponential is steep are halved until it is resolved.
 #pragma once
 
+#include <cmath>
+
 #include "terramechanics/contact_geometry.h"
 
 namespace wheel_twin::terramechanics {
@@ -32,6 +34,12 @@ struct RimMotion {
   double forward = 1.0;   ///< travel speed in the wheel plane
   double sideways = 0.0;  ///< travel speed out of it, positive where the soil pushes the wheel to its left
 };
+
+/// Of slip s (-1 to 1) and steering angle (rad).
+inline RimMotion rim_motion(double s, double steering_angle) {
+  const double travel = s >= 0.0 ? 1.0 - s : 1.0;
+  return {s >= 0.0 ? 1.0 : 1.0 + s, travel * std::cos(steering_angle), travel * std::sin(steering_angle)};
+}
 
 /// What the stresses need of soil and wheel.
 struct ContactLaw {
@@ -60,6 +68,33 @@ ContactLoads contact_loads(const ContactGeometry& geometry, const RimMotion& mot
 
 /// The vertical force alone, several times cheaper.
 double vertical_force(const ContactGeometry& geometry, const RimMotion& motion, const ContactLaw& law);
+
+/// The loads of an unsteered wheel without a depth factor, split by what they are proportional to: for one
+/// geometry, slip, n and K they are linear in k_eq, k_eq tan(phi), c and the two strengths of a grouser.
+struct LoadBasis {
+  double pressure_cos = 0.0, pressure_sin = 0.0;                  ///< times k_eq
+  double friction_cos = 0.0, friction_sin = 0.0, friction = 0.0;  ///< times k_eq tan(phi)
+  double cohesion_cos = 0.0, cohesion_sin = 0.0, cohesion = 0.0;  ///< times c
+  double wedge = 0.0, wedge_torque = 0.0;            ///< times a grouser's strength at the surface
+  double overburden = 0.0, overburden_torque = 0.0;  ///< times its growth with depth
+
+  void add(const LoadBasis& o, double weight) {
+    pressure_cos += weight * o.pressure_cos, pressure_sin += weight * o.pressure_sin;
+    friction_cos += weight * o.friction_cos, friction_sin += weight * o.friction_sin;
+    friction += weight * o.friction;
+    cohesion_cos += weight * o.cohesion_cos, cohesion_sin += weight * o.cohesion_sin;
+    cohesion += weight * o.cohesion;
+    wedge += weight * o.wedge, wedge_torque += weight * o.wedge_torque;
+    overburden += weight * o.overburden, overburden_torque += weight * o.overburden_torque;
+  }
+};
+
+/// Of `law` only n and K count.
+LoadBasis load_basis(const ContactGeometry& geometry, const RimMotion& motion, const ContactLaw& law);
+
+/// What contact_loads() returns, from the basis.
+ContactLoads combined(const LoadBasis& basis, double radius, const ContactLaw& law);
+double combined_vertical(const LoadBasis& basis, double radius, const ContactLaw& law);
 
 /// Vertical force of a wheel that has not moved (paper, static sinkage): twice the front arc and the patch,
 /// no shear.

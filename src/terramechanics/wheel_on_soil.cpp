@@ -16,13 +16,12 @@ constexpr double kLoadTolerance = 1e-10;  // of the load
 constexpr double kShareTolerance = 1e-9;  // of the load, between wheel and soil
 constexpr int kMaximumSteps = 200;
 
-RimMotion rim_motion(const Operation& operation) {
+RimMotion checked_motion(const Operation& operation) {
   const double s = operation.slip, beta = operation.steering_angle;
   if (!(s >= -1.0 && s <= 1.0)) throw Error(fmt::format("slip {:g} is outside -1 to 1", s));
   if (!(std::abs(beta) <= 1.5))
     throw Error(fmt::format("steering angle {:g} rad is outside -1.5 to 1.5", beta));
-  const double travel = s >= 0.0 ? 1.0 - s : 1.0;
-  return {s >= 0.0 ? 1.0 : 1.0 + s, travel * std::cos(beta), travel * std::sin(beta)};
+  return rim_motion(s, beta);
 }
 
 }  // namespace
@@ -42,8 +41,15 @@ struct WheelOnSoil::Vertical {
   }
   double force(double z, double delta_d) const {
     if (z <= 0.0) return 0.0;
+    if (tabulated(z, delta_d))
+      return at_rest ? model.table_->at_rest(z, delta_d, law)
+                     : model.table_->vertical(z, delta_d, operation.slip, law);
     return at_rest ? static_vertical_force(geometry(z, delta_d), law)
                    : vertical_force(geometry(z, delta_d), motion, law);
+  }
+  bool tabulated(double z, double delta_d) const {
+    return model.table_ && law.factor == nullptr && operation.steering_angle == 0.0 &&
+           model.table_->covers(z, delta_d, operation.slip);
   }
   std::string words() const {
     return at_rest ? "at rest"
@@ -52,8 +58,9 @@ struct WheelOnSoil::Vertical {
   }
 };
 
-WheelOnSoil::WheelOnSoil(const Wheel& wheel, const Soil& soil)
-    : wheel_(wheel), soil_(soil), k_eq_(sinkage_modulus(wheel, soil)) {
+WheelOnSoil::WheelOnSoil(const Wheel& wheel, const Soil& soil, std::shared_ptr<const ContactTable> table)
+    : wheel_(wheel), soil_(soil), k_eq_(sinkage_modulus(wheel, soil)), table_(std::move(table)) {
+  if (table_ && !table_->fits(wheel, soil)) table_ = nullptr;
   if (!(wheel.radius > 0.0 && wheel.width > 0.0))
     throw Error(fmt::format("wheel '{}' has no size", wheel.name));
   if (!(soil.n > 0.0 && soil.n < 3.0))
@@ -67,9 +74,11 @@ WheelOnSoil::WheelOnSoil(const Wheel& wheel, const Soil& soil)
 ContactLaw WheelOnSoil::law(const SoilChange& change) const {
   if (!(change.sinkage_factor > 0.0))
     throw Error(fmt::format("sinkage factor {:g} is not positive", change.sinkage_factor));
+  if (!(change.stiffness_factor > 0.0))
+    throw Error(fmt::format("stiffness factor {:g} is not positive", change.stiffness_factor));
   ContactLaw law;
   law.b = wheel_.width;
-  law.k_eq = k_eq_;
+  law.k_eq = k_eq_ * change.stiffness_factor;
   law.n = soil_.n;
   law.c = std::max(0.0, soil_.c + change.added_cohesion);
   law.tan_phi = std::tan(soil_.phi);
@@ -187,11 +196,14 @@ void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) cons
   state.grousers_in_soil = wheel_.grousers *
                            (g.front - (vertical.at_rest ? -g.front : -g.rear) + 2.0 * std::sin(g.theta_d)) /
                            (2.0 * M_PI);
+  const bool tabulated = vertical.tabulated(g.z, g.delta_d);
   if (vertical.at_rest) {
-    state.normal_load = static_vertical_force(g, vertical.law);
+    state.normal_load =
+        tabulated ? table_->at_rest(g.z, g.delta_d, vertical.law) : static_vertical_force(g, vertical.law);
     return;
   }
-  const ContactLoads loads = contact_loads(g, vertical.motion, vertical.law);
+  const ContactLoads loads = tabulated ? table_->loads(g.z, g.delta_d, vertical.operation.slip, vertical.law)
+                                       : contact_loads(g, vertical.motion, vertical.law);
   state.normal_load = loads.vertical;
   state.thrust = loads.thrust;
   state.grouser_thrust = loads.grouser_thrust;
@@ -212,8 +224,8 @@ void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) cons
 }
 
 WheelOnSoil::Vertical WheelOnSoil::rolling(const Operation& operation, const SoilChange& change) const {
-  const double peak = std::clamp(soil_.c1 + soil_.c2 * std::abs(operation.slip), 0.0, 1.0);
-  return {*this, law(change), change.sinkage_factor, false, operation, rim_motion(operation), peak};
+  const double peak = peak_position(soil_, operation.slip);
+  return {*this, law(change), change.sinkage_factor, false, operation, checked_motion(operation), peak};
 }
 
 WheelOnSoil::Vertical WheelOnSoil::resting(const SoilChange& change) const {

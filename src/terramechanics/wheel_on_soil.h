@@ -5,6 +5,9 @@
 // the peak moves ahead in skid as it does in slip.
 #pragma once
 
+#include <memory>
+
+#include "terramechanics/contact_table.h"
 #include "terramechanics/soil.h"
 #include "terramechanics/stress_integrals.h"
 #include "terramechanics/wheel.h"
@@ -21,7 +24,8 @@ struct Operation {
 struct SoilChange {
   double added_cohesion = 0.0;                ///< Pa
   double sinkage_factor = 1.0;                ///< sinkage of the undisturbed law times this, positive
-  const DepthFactor* depth_factor = nullptr;  ///< on the pressure of the sinkage law
+  double stiffness_factor = 1.0;              ///< on the pressure of the sinkage law, positive
+  const DepthFactor* depth_factor = nullptr;  ///< a further one that varies with depth; none: 1
 };
 
 /// Wheel and soil in equilibrium, or at a given hub displacement.
@@ -54,7 +58,8 @@ struct ContactState {
 class WheelOnSoil {
  public:
   /// Throws Error when the two make no model (no stiffness left in the soil, n outside 0 to 3, no radius).
-  WheelOnSoil(const Wheel& wheel, const Soil& soil);
+  /// With a table for this wheel and soil the loads are interpolated in it where it covers them.
+  WheelOnSoil(const Wheel& wheel, const Soil& soil, std::shared_ptr<const ContactTable> table = nullptr);
 
   /// Equilibrium under a load (N, at least 0). The deflection is load / stiffness. Of several sinkages that
   /// carry the load the smallest is the equilibrium: the one a wheel lowered from the surface reaches. Throws
@@ -105,6 +110,7 @@ class WheelOnSoil {
   Wheel wheel_;
   Soil soil_;
   double k_eq_;
+  std::shared_ptr<const ContactTable> table_;
 };
 
 /// The steady state of one run: what a rig measures in the mean. Builds the model and calls at_load.

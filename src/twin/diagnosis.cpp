@@ -279,8 +279,10 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const Calibration calibration = calibrate(declared, calibrated ? references : measured, floor);
   d.before = calibration.model;
 
+  d.before.table = std::make_shared<terramechanics::ContactTable>(d.before.wheel, d.before.soil);
+
   Evidence evidence;
-  evidence.baseline = calibration.model;
+  evidence.baseline = d.before;
   evidence.runs = measured;
   std::vector<Residual> residuals;
   for (const RunGrid* run : measured) residuals.push_back(residual_of(*run, simulate(d.before, *run)));

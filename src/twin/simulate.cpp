@@ -28,7 +28,7 @@ class UnevenSoil final : public rig::SoilPort {
     }
   }
 
-  double stiffness_factor(const rig::RigState& state, double /*depth*/) const override {
+  double stiffness_factor(const rig::RigState& state) const override {
     const double position = std::clamp(state.time / bin_ - 0.5, 0.0, static_cast<double>(factor_.size() - 1));
     const auto i = static_cast<std::size_t>(position);
     if (i + 1 >= factor_.size()) return factor_.back();
@@ -92,6 +92,7 @@ Predicted simulate(const TwinConfig& model, const RunGrid& grid,
   if (unevenness) options.initial_displacement = resting_displacement(grid);
   rig::SemiEmpiricalOptions contact_options;
   contact_options.start_up = model.start_up;
+  contact_options.table = model.table;
   rig::SemiEmpiricalContact contact(model.wheel, model.soil, ports, contact_options);
   rig::Replay replay(model.rig, conditions, model.wheel.radius, contact, ports, options);
 

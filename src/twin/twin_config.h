@@ -3,11 +3,13 @@
 // YAML (revised_twin.yaml).
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "effects/effect.h"
 #include "rig/settings.h"
+#include "terramechanics/contact_table.h"
 #include "terramechanics/soil.h"
 #include "terramechanics/wheel.h"
 #include "twin/channel.h"
@@ -38,7 +40,8 @@ struct TwinConfig {
   rig::RigSettings rig;
   double start_up = 1.0;  ///< rig::SemiEmpiricalOptions
   std::vector<EffectSetting> effects;
-  std::vector<Correction> corrections;  ///< apply while the wheel moves
+  std::vector<Correction> corrections;                        ///< apply while the wheel moves
+  std::shared_ptr<const terramechanics::ContactTable> table;  ///< makes simulations quick; not written
 };
 
 /// Strict; throws Error naming file, line and key, effect and parameter.

@@ -55,7 +55,7 @@ Response respond(const std::string& name, const std::vector<double>& values,
   Response r{};
   r.displacement = 0.02;
   r.wrench = {{5.0, -1.0, 42.0}, {0.1, -0.8, 0.05}};
-  r.stiffness = soil.stiffness_factor(state, 0.015);
+  r.stiffness = soil.stiffness_factor(state) * soil.layer_factor(state, 0.015);
   r.cohesion = soil.added_cohesion(state);
   r.sinkage = soil.sinkage_factor(state);
   r.slope = soil.surface_slope(state);

@@ -125,7 +125,7 @@ TEST(SemiEmpiricalContact, IndentationIsResistedAndReboundIsNot) {
 struct Everything final : SoilPort, WheelPort {
   double factor = 1.0, cohesion = 0.0, sinkage = 1.0, slope = 0.0, rise = 0.0, resistance = 0.0;
   Eigen::Vector3d force{0.0, 0.0, 0.0};
-  double stiffness_factor(const RigState&, double) const override { return factor; }
+  double stiffness_factor(const RigState&) const override { return factor; }
   double added_cohesion(const RigState&) const override { return cohesion; }
   double sinkage_factor(const RigState&) const override { return sinkage; }
   Eigen::Vector3d added_force(const RigState&, double) const override { return force; }

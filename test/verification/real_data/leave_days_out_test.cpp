@@ -48,7 +48,7 @@ Steady steady(const logs::Experiment& experiment, const terramechanics::Soil& pl
   rig::RigState state;
   state.slip = run.slip;
   state.carriage_speed = 0.01;
-  const double factor = ports.soil[0]->stiffness_factor(state, 0.0);
+  const double factor = ports.soil[0]->stiffness_factor(state);
   terramechanics::Soil soil = plates;
   soil.k_c *= factor;
   soil.k_phi *= factor;
