@@ -25,7 +25,8 @@ struct Asked {
   }
   double factor(double x, double depth) const {
     double product = 1.0;
-    for (const rig::SoilPort* port : ports) product *= port->stiffness_factor(state_at(x), depth);
+    for (const rig::SoilPort* port : ports)
+      product *= port->stiffness_factor(state_at(x)) * port->layer_factor(state_at(x), depth);
     return product;
   }
   double cohesion() const {
@@ -52,7 +53,7 @@ void refuse_what_emerges(const std::vector<const rig::SoilPort*>& ports) {
     rolling.slip = 0.0;
     for (const rig::SoilPort* port : ports) {
       if (port->sinkage_factor(state) != 1.0 ||
-          port->stiffness_factor(state, 0.01) != port->stiffness_factor(rolling, 0.01) ||
+          port->stiffness_factor(state) != port->stiffness_factor(rolling) ||
           port->added_force(state, 40.0) != port->added_force(rolling, 40.0))
         throw Error(
             "fidelity dem: an effect makes soil answer to the wheel's slip, which grains do by themselves: "

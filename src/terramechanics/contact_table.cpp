@@ -10,11 +10,12 @@
 namespace wheel_twin::terramechanics {
 namespace {
 
-constexpr int sinkages = 129;    // evenly in sqrt(z / R), 0 to 1
-constexpr int deflections = 97;  // evenly in sqrt(delta / R), 0 to 0.5
+constexpr int sinkages = 81;     // evenly in sqrt(z / R), 0 to 1
+constexpr int deflections = 65;  // evenly in sqrt(delta / R), 0 to 0.5
 constexpr double slip_step = 0.02;
 constexpr int slips = 101;  // -1 to 1
-constexpr double largest_slip = 0.96;
+constexpr int no_slip = 50;
+constexpr double largest_slip = 0.92;
 
 /// Cubic through four neighbours: the first of them, and their weights.
 struct Stencil {
@@ -22,12 +23,24 @@ struct Stencil {
   std::array<double, 4> weight{};
 };
 
-Stencil stencil(double place) {
-  const int below = static_cast<int>(std::floor(place));
-  const double t = place - below;
-  return {below - 1,
+Stencil stencil(double place, int first) {
+  const double t = place - first - 1;
+  return {first,
           {-t * (t - 1.0) * (t - 2.0) / 6.0, (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
            -(t + 1.0) * t * (t - 2.0) / 2.0, (t + 1.0) * t * (t - 1.0) / 6.0}};
+}
+
+Stencil stencil(double place) {
+  return stencil(place, static_cast<int>(std::floor(place)) - 1);
+}
+
+/// Braking and driving are two laws that meet at slip 0: the four nodes lie on one side of it.
+Stencil slip_stencil(double slip) {
+  const double place = (slip + 1.0) / slip_step;
+  int first = static_cast<int>(std::floor(place)) - 1;
+  if (first == no_slip - 1) first = no_slip;
+  if (first == no_slip - 2) first = no_slip - 3;
+  return stencil(place, first);
 }
 
 double sinkage_place(double z, double R) {
@@ -134,7 +147,7 @@ struct ContactTable::Impl {
   template <class Add>
   void gather_rolling(double z, double delta_d, double slip, Add add) const {
     const Place p = place(z, delta_d);
-    const Stencil s = stencil((slip + 1.0) / slip_step);
+    const Stencil s = slip_stencil(slip);
     for (int c = 0; c < 4; ++c) gather(p, s.first + c, s.weight[static_cast<std::size_t>(c)], add);
   }
 };

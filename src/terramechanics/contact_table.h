@@ -26,7 +26,7 @@ class ContactTable {
 
   /// Same radius, rigid or not, and the same n, K, c1, c2, gamma.
   bool fits(const Wheel& wheel, const Soil& soil) const;
-  /// Sinkage and deflection in m. Not covered: beneath micrometres, near the hub, slips beyond +-0.96.
+  /// Sinkage and deflection in m. Not covered: beneath micrometres, near the hub, slips beyond +-0.92.
   bool covers(double z, double delta_d, double slip) const;
 
   /// As vertical_force(), contact_loads() and static_vertical_force(); z, delta_d and slip are covered.

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kLoadTolerance = 1e-10;  // of the load
 constexpr double kShareTolerance = 1e-9;  // of the load, between wheel and soil
+constexpr double kTableShareTolerance = 1e-7;
 constexpr int kMaximumSteps = 200;
 
 RimMotion checked_motion(const Operation& operation) {
@@ -46,6 +47,10 @@ struct WheelOnSoil::Vertical {
                      : model.table_->vertical(z, delta_d, operation.slip, law);
     return at_rest ? static_vertical_force(geometry(z, delta_d), law)
                    : vertical_force(geometry(z, delta_d), motion, law);
+  }
+  ContactLoads loads(const ContactGeometry& g) const {
+    return tabulated(g.z, g.delta_d) ? model.table_->loads(g.z, g.delta_d, operation.slip, law)
+                                     : contact_loads(g, motion, law);
   }
   bool tabulated(double z, double delta_d) const {
     return model.table_ && law.factor == nullptr && operation.steering_angle == 0.0 &&
@@ -173,7 +178,8 @@ double WheelOnSoil::share_displacement(double h, const Vertical& vertical, doubl
                  : 0.0;
   double slope = vertical.at_rest ? soil_.n + 0.7 : soil_.n + 0.5;
   double f = log_ratio(y);
-  for (int i = 0; i < kMaximumSteps && std::abs(f) > kShareTolerance; ++i) {
+  const double tolerance = table_ ? kTableShareTolerance : kShareTolerance;
+  for (int i = 0; i < kMaximumSteps && std::abs(f) > tolerance; ++i) {
     (f < 0.0 ? low : high) = y;
     double next = y - f / slope;
     if (!std::isfinite(f) || !(next > low && next < high) || i % 8 == 7) next = 0.5 * (low + high);
@@ -186,7 +192,7 @@ double WheelOnSoil::share_displacement(double h, const Vertical& vertical, doubl
 }
 
 void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) const {
-  const ContactGeometry g = vertical.geometry(state.sinkage / vertical.sinkage_factor, state.deflection);
+  const ContactGeometry g = vertical.geometry(state.sinkage, state.deflection);
   state.hub_displacement = state.sinkage + state.deflection;
   state.entry_angle = g.theta_1;
   state.exit_angle = vertical.at_rest ? -g.theta_1 : g.theta_2;
@@ -196,31 +202,34 @@ void WheelOnSoil::fill_loads(ContactState& state, const Vertical& vertical) cons
   state.grousers_in_soil = wheel_.grousers *
                            (g.front - (vertical.at_rest ? -g.front : -g.rear) + 2.0 * std::sin(g.theta_d)) /
                            (2.0 * M_PI);
-  const bool tabulated = vertical.tabulated(g.z, g.delta_d);
+  // Loose soil carries at the sinkage z what the law's carries at z / factor: all stresses are that much
+  // smaller.
   if (vertical.at_rest) {
-    state.normal_load =
-        tabulated ? table_->at_rest(g.z, g.delta_d, vertical.law) : static_vertical_force(g, vertical.law);
+    state.normal_load = vertical.force(state.sinkage / vertical.sinkage_factor, state.deflection);
     return;
   }
-  const ContactLoads loads = tabulated ? table_->loads(g.z, g.delta_d, vertical.operation.slip, vertical.law)
-                                       : contact_loads(g, vertical.motion, vertical.law);
-  state.normal_load = loads.vertical;
-  state.thrust = loads.thrust;
-  state.grouser_thrust = loads.grouser_thrust;
-  state.compaction_resistance = loads.compaction_resistance;
-  state.bulldozing_force = loads.bulldozing;
+  const ContactLoads loads = vertical.loads(g);
+  double strength = 1.0;
+  if (vertical.sinkage_factor != 1.0)
+    strength = vertical.force(g.z / vertical.sinkage_factor, g.delta_d) / loads.vertical;
+  state.normal_load = strength * loads.vertical;
+  state.thrust = strength * loads.thrust;
+  state.grouser_thrust = strength * loads.grouser_thrust;
+  state.compaction_resistance = strength * loads.compaction_resistance;
+  state.bulldozing_force = strength * loads.bulldozing;
   state.flexing_resistance = vertical.motion.rolling > 0.0 ? wheel_.flexing_resistance : 0.0;
-  state.drive_torque = loads.torque;
+  state.drive_torque = strength * loads.torque;
   const double along =
-      loads.thrust + loads.grouser_thrust - loads.compaction_resistance - state.flexing_resistance;
-  const double across = loads.side_shear + loads.bulldozing;
+      state.thrust + state.grouser_thrust - state.compaction_resistance - state.flexing_resistance;
+  const double across = strength * (loads.side_shear + loads.bulldozing);
+  const double moment_x = strength * loads.moment_x;
   const double cos_b = std::cos(vertical.operation.steering_angle),
                sin_b = std::sin(vertical.operation.steering_angle);
   state.drawbar_pull = along * cos_b - across * sin_b;
   state.side_force = along * sin_b + across * cos_b;
-  state.torque_x = loads.moment_x * cos_b + loads.torque * sin_b;
-  state.torque_y = loads.moment_x * sin_b - loads.torque * cos_b;
-  state.torque_z = loads.moment_z;
+  state.torque_x = moment_x * cos_b + state.drive_torque * sin_b;
+  state.torque_y = moment_x * sin_b - state.drive_torque * cos_b;
+  state.torque_z = strength * loads.moment_z;
 }
 
 WheelOnSoil::Vertical WheelOnSoil::rolling(const Operation& operation, const SoilChange& change) const {

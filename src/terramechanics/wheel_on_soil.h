@@ -22,8 +22,10 @@ struct Operation {
 
 /// What may change the soil's answer at a place or time.
 struct SoilChange {
-  double added_cohesion = 0.0;                ///< Pa
-  double sinkage_factor = 1.0;                ///< sinkage of the undisturbed law times this, positive
+  double added_cohesion = 0.0;  ///< Pa
+  /// Loose soil, positive: the wheel sinks this many times as deep as in the law's, and all stresses are less
+  /// by what the deeper contact needs less of them to carry the same load.
+  double sinkage_factor = 1.0;
   double stiffness_factor = 1.0;              ///< on the pressure of the sinkage law, positive
   const DepthFactor* depth_factor = nullptr;  ///< a further one that varies with depth; none: 1
 };

@@ -1,7 +1,9 @@
 #include "twin/candidates.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
 #include "effects/catalogue.h"
@@ -115,7 +117,7 @@ bool changes_fluctuation(const Evidence& evidence, const Layout& layout,
 }  // namespace
 
 std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, const TwinConfig& model,
-                                  bool with_fluctuation, std::vector<int>* block) {
+                                  bool with_fluctuation, std::vector<int>* block, const LogDeviation* held) {
   const RunGrid& grid = *evidence.runs[run];
   std::vector<double> out;
   LogDeviation predicted{};
@@ -126,7 +128,7 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
     course = simulated.course;
   } else {
     course = simulate(model, grid);
-    predicted = evidence.calm[run];
+    predicted = held != nullptr ? *held : evidence.calm[run];
   }
   int next = whiten(grid, residual_of(grid, course), evidence.noise, out, block);
   if (evidence.fluctuation.known)
@@ -167,80 +169,163 @@ std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& mode
   return sums;
 }
 
-Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>& names,
-                        const std::vector<std::size_t>& runs, const std::vector<std::vector<double>>& known,
-                        int iterations) {
-  const Layout layout(names, evidence.nuisance.size());
-  std::vector<Unknown> unknowns = evidence.nuisance;
-  for (const auto* type : layout.types)
-    for (const effects::Parameter& p : type->parameters) {
-      Unknown u;
-      u.name = p.name;
-      u.lower = p.periodic ? -1e9 : p.lower;
-      u.upper = p.periodic ? 1e9 : p.upper;
-      u.scale = p.scale;
-      if (!std::isnan(p.neutral)) {
-        u.prior = p.neutral;
-        u.prior_deviation = prior_widths * p.scale;
-      }
-      if (type->name == "hard_layer")
-        u.prior_deviation = 1e9;  // its neutral is far from any depth that matters
-      unknowns.push_back(u);
+namespace {
+
+/// Everything a fit needs to know before it starts.
+struct Problem {
+  const Evidence& evidence;
+  const std::vector<std::size_t>& runs;
+  Layout layout;
+  std::vector<Unknown> unknowns;
+  std::vector<std::vector<double>> starts;  // of the effects' parameters
+
+  Problem(const Evidence& e, const std::vector<std::string>& names, const std::vector<std::size_t>& chosen,
+          const std::vector<std::vector<double>>& known)
+      : evidence(e), runs(chosen), layout(names, e.nuisance.size()), unknowns(e.nuisance) {
+    for (const auto* type : layout.types)
+      for (const effects::Parameter& p : type->parameters) unknowns.push_back(unknown_of(*type, p));
+    std::vector<double> prefix;
+    for (const auto& values : known) prefix.insert(prefix.end(), values.begin(), values.end());
+    starts = {prefix};
+    for (std::size_t k = known.size(); k < layout.types.size(); ++k) {
+      std::vector<std::vector<double>> longer;
+      for (const auto& start : starts)
+        for (const auto& more : starts_of(*layout.types[k], evidence)) {
+          longer.push_back(start);
+          longer.back().insert(longer.back().end(), more.begin(), more.end());
+        }
+      starts = std::move(longer);
     }
-  // Only some causes change how much the channels fluctuate; the others are fitted without that question.
-  bool fluctuates = false;
-  const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
+  }
+
+  static Unknown unknown_of(const effects::EffectType& type, const effects::Parameter& p) {
+    Unknown u;
+    u.name = p.name;
+    u.lower = p.periodic ? -1e9 : p.lower;
+    u.upper = p.periodic ? 1e9 : p.upper;
+    u.scale = p.scale;
+    if (!std::isnan(p.neutral)) {
+      u.prior = p.neutral;
+      u.prior_deviation = prior_widths * p.scale;
+    }
+    if (type.name == "hard_layer") u.prior_deviation = 1e9;  // its neutral is far from any depth that matters
+    return u;
+  }
+
+  std::vector<Unknown> started(const std::vector<double>& effect_values) const {
+    std::vector<Unknown> result = unknowns;
+    for (std::size_t i = 0; i < effect_values.size(); ++i)
+      result[evidence.nuisance.size() + i].start = effect_values[i];
+    return result;
+  }
+
+  /// Residuals of all runs; false when x cannot be simulated.
+  bool residuals(const std::vector<double>& x, bool with_fluctuation, const std::vector<LogDeviation>& held,
+                 std::vector<double>& out) const {
     try {
       const TwinConfig model = model_of(evidence, layout, x);
-      for (const std::size_t run : runs) {
-        const std::vector<double> r = run_residuals(evidence, run, model, fluctuates);
+      for (std::size_t k = 0; k < runs.size(); ++k) {
+        const std::vector<double> r = run_residuals(evidence, runs[k], model, with_fluctuation, nullptr,
+                                                    held.empty() ? nullptr : &held[k]);
         out.insert(out.end(), r.begin(), r.end());
       }
     } catch (const Error&) {
       return false;
     }
     return true;
-  };
-  const auto with_start = [&](const std::vector<double>& effect_values) {
-    std::vector<Unknown> started = unknowns;
-    for (std::size_t i = 0; i < effect_values.size(); ++i)
-      started[evidence.nuisance.size() + i].start = effect_values[i];
-    return started;
-  };
-
-  std::vector<double> prefix;
-  for (const auto& values : known) prefix.insert(prefix.end(), values.begin(), values.end());
-  std::vector<std::vector<double>> starts = {prefix};
-  for (std::size_t k = known.size(); k < layout.types.size(); ++k) {
-    std::vector<std::vector<double>> longer;
-    for (const auto& start : starts)
-      for (const auto& more : starts_of(*layout.types[k], evidence)) {
-        longer.push_back(start);
-        longer.back().insert(longer.back().end(), more.begin(), more.end());
-      }
-    starts = std::move(longer);
   }
-  fluctuates = changes_fluctuation(evidence, layout, with_start(starts.front()));
+};
+
+std::vector<double> values_of(const std::vector<Unknown>& unknowns) {
+  std::vector<double> x;
+  for (const Unknown& u : unknowns) x.push_back(u.start);
+  return x;
+}
+
+double square_sum(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v * v;
+  return sum;
+}
+
+}  // namespace
+
+double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& names,
+                           const std::vector<std::size_t>& runs,
+                           const std::vector<std::vector<double>>& known) {
+  const Problem problem(evidence, names, runs, known);
+  constexpr double difference = 0.02;  // of the scale
+  if (sticks(model_of(evidence, problem.layout, values_of(problem.started(problem.starts.front())))))
+    return 0.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& start : problem.starts) {
+    const std::vector<Unknown> unknowns = problem.started(start);
+    const std::vector<double> x = values_of(unknowns);
+    std::vector<double> here;
+    if (!problem.residuals(x, false, {}, here)) continue;
+    const auto rows = static_cast<Eigen::Index>(here.size()), columns = static_cast<Eigen::Index>(x.size());
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, columns);
+    for (Eigen::Index j = 0; j < columns; ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      std::vector<double> near = x, there;
+      near[k] += (x[k] + difference * unknowns[k].scale > unknowns[k].upper ? -1.0 : 1.0) * difference *
+                 unknowns[k].scale;
+      if (!problem.residuals(near, false, {}, there)) continue;
+      for (Eigen::Index i = 0; i < rows; ++i)
+        jacobian(i, j) = (there[static_cast<std::size_t>(i)] - here[static_cast<std::size_t>(i)]) /
+                         (near[k] - x[k]) * unknowns[k].scale;
+    }
+    const Eigen::Map<const Eigen::VectorXd> r(here.data(), rows);
+    Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+    information.diagonal().array() += 1e-3 + 1e-9 * information.diagonal().maxCoeff();
+    const Eigen::VectorXd slope = jacobian.transpose() * r;
+    const double foretold = r.squaredNorm() - slope.dot(information.ldlt().solve(slope));
+    least = std::min(least, foretold);
+  }
+  return least;
+}
+
+Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>& names,
+                        const std::vector<std::size_t>& runs, const std::vector<std::vector<double>>& known,
+                        int iterations) {
+  const Problem problem(evidence, names, runs, known);
+  const Layout& layout = problem.layout;
+  // Only some causes change how much the channels fluctuate; the others are fitted without that question.
+  // Those that work through friction are asked at every step, for the others the answer at the start holds.
+  const bool fluctuates = changes_fluctuation(evidence, layout, problem.started(problem.starts.front()));
+  std::vector<LogDeviation> held;
+  bool in_loop = false;
+  const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
+    return problem.residuals(x, in_loop, held, out);
+  };
   // Look from every start, then go on from the best.
   FitResult best;
-  if (starts.size() > 1) {
-    std::vector<std::pair<double, std::size_t>> looks;
-    for (std::size_t s = 0; s < starts.size(); ++s) {
-      std::vector<double> x, residuals;
-      for (const Unknown& u : with_start(starts[s])) x.push_back(u.start);
-      if (!function(x, residuals)) continue;
-      double sum = 0.0;
-      for (const double r : residuals) sum += r * r;
-      looks.emplace_back(sum, s);
+  std::vector<std::pair<double, std::size_t>> looks;
+  for (std::size_t s = 0; s < problem.starts.size(); ++s) {
+    std::vector<double> residuals;
+    if (problem.starts.size() > 1) {
+      if (!function(values_of(problem.started(problem.starts[s])), residuals)) continue;
     }
-    std::sort(looks.begin(), looks.end());
-    if (looks.size() > 2) looks.resize(2);
-    for (const auto& look : looks) {
-      FitResult fit = least_squares(with_start(starts[look.second]), function, iterations);
-      if (fit.usable && fit.cost < best.cost) best = std::move(fit);
+    looks.emplace_back(square_sum(residuals), s);
+  }
+  std::sort(looks.begin(), looks.end());
+  if (looks.size() > 2) looks.resize(2);
+  for (const auto& look : looks) {
+    const std::vector<Unknown> unknowns = problem.started(problem.starts[look.second]);
+    held.clear();
+    if (fluctuates) {
+      try {
+        const TwinConfig model = model_of(evidence, layout, values_of(unknowns));
+        in_loop = sticks(model);
+        if (!in_loop)
+          for (const std::size_t run : runs)
+            held.push_back(predicted_log_deviation(model, *evidence.runs[run], evidence.fluctuation));
+      } catch (const Error&) {
+        continue;
+      }
     }
-  } else {
-    best = least_squares(with_start(starts.front()), function, iterations);
+    FitResult fit = least_squares(unknowns, function, iterations);
+    if (fit.usable && fit.cost < best.cost) best = std::move(fit);
   }
 
   Candidate candidate;

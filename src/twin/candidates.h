@@ -41,9 +41,11 @@ struct Candidate {
 
 /// Residuals of one run under a model, whitened: the time course, then the fluctuation of the channels, then
 /// the lag of the draw wire. With `with_fluctuation` the model runs on an uneven bed (several times the
-/// cost), else its channels are taken to fluctuate as the baseline's. `block` as for whiten.
+/// cost), else its channels are taken to fluctuate as `held` says, by default as the baseline's. `block` as
+/// for whiten.
 std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, const TwinConfig& model,
-                                  bool with_fluctuation, std::vector<int>* block = nullptr);
+                                  bool with_fluctuation, std::vector<int>* block = nullptr,
+                                  const LogDeviation* held = nullptr);
 
 /// The same as chi-square over a choice of runs.
 std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& model,
@@ -51,6 +53,13 @@ std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& mode
 
 /// Delay that the effects of a model put on the draw wire's stamps, s.
 double draw_wire_delay(const TwinConfig& model);
+
+/// Chi-square that a fit of `effects` would reach, as one Gauss-Newton step from the best of its starts
+/// foretells it, `known` as for fit_candidate; infinite when no start can be simulated, zero where friction
+/// makes a step foretell nothing.
+double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& effects,
+                           const std::vector<std::size_t>& runs,
+                           const std::vector<std::vector<double>>& known = {});
 
 /// Fits `effects` on the chosen runs, starting from several places; `known` gives start values for leading
 /// effects (those of a smaller candidate).

@@ -23,7 +23,8 @@ constexpr double good_enough = 1.3;       // error after over noise floor
 constexpr double plainly_wrong = 2.0;     // error after over noise floor at which nothing is explained
 constexpr double mostly_explained = 0.9;  // of the chi-square above what noise has
 constexpr double least_share = 0.05;      // of it that a second effect must explain
-constexpr std::size_t refined = 8;        // candidates that are looked at closely
+constexpr std::size_t refined = 8;        // candidates that are listed
+constexpr std::size_t fitted_singles = 14, fitted_pairs = 7;  // of those that promise most
 
 double bin_for(const logs::Experiment& experiment) {
   const double rate = std::min(experiment.ft ? experiment.ft->rate : 100.0,
@@ -125,15 +126,29 @@ class Tracing {
     for (const effects::EffectType& type : effects::catalogue())
       if (std::find(base.effects.begin(), base.effects.end(), type.name) == base.effects.end())
         names.push_back(type.name);
-    std::vector<Candidate> candidates(names.size());
+    // A look at every effect, then a fit of those that promise most.
     Progress progress(base.effects.empty() ? "tracing effects" : "tracing pairs",
                       static_cast<double>(names.size()));
     std::atomic<int> done{0};
-    in_parallel(names.size(), options_.threads, [&](std::size_t i) {
+    const auto with = [&](const std::string& name) {
       std::vector<std::string> all = base.effects;
-      all.push_back(names[i]);
-      candidates[i] = scored(fit_candidate(evidence_, all, runs_, base.values));
-      progress.update(++done);
+      all.push_back(name);
+      return all;
+    };
+    std::vector<double> foretold(names.size());
+    in_parallel(names.size(), options_.threads, [&](std::size_t i) {
+      foretold[i] = foretold_chi_square(evidence_, with(names[i]), runs_, base.values);
+      progress.update(0.5 * ++done);
+    });
+    std::vector<std::size_t> order(names.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return foretold[a] < foretold[b]; });
+    order.resize(std::min(order.size(), base.effects.empty() ? fitted_singles : fitted_pairs));
+    std::vector<Candidate> candidates(order.size());
+    in_parallel(order.size(), options_.threads, [&](std::size_t i) {
+      candidates[i] = scored(fit_candidate(evidence_, with(names[order[i]]), runs_, base.values));
+      progress.update(0.5 * (done += 1));
     });
     candidates.erase(
         std::remove_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return !c.usable; }),

@@ -20,15 +20,16 @@ LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fl
   return simulated;
 }
 
+bool is_friction(const EffectSetting& setting) {
+  const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
+  rig::Ports ports;
+  effect->attach(ports);
+  return std::any_of(ports.rig.begin(), ports.rig.end(),
+                     [](const rig::RigPort* port) { return port->coulomb_friction({}) > 0.0; });
+}
+
 TwinConfig without_friction(TwinConfig model) {
-  const auto sticks = [](const EffectSetting& setting) {
-    const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
-    rig::Ports ports;
-    effect->attach(ports);
-    return std::any_of(ports.rig.begin(), ports.rig.end(),
-                       [](const rig::RigPort* port) { return port->coulomb_friction({}) > 0.0; });
-  };
-  model.effects.erase(std::remove_if(model.effects.begin(), model.effects.end(), sticks),
+  model.effects.erase(std::remove_if(model.effects.begin(), model.effects.end(), is_friction),
                       model.effects.end());
   return model;
 }
@@ -128,6 +129,10 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
   }
   fluctuation.known = true;
   return fluctuation;
+}
+
+bool sticks(const TwinConfig& model) {
+  return std::any_of(model.effects.begin(), model.effects.end(), is_friction);
 }
 
 Predicted slow_course(const TwinConfig& model, const RunGrid& grid) {

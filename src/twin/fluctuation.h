@@ -36,6 +36,9 @@ struct FluctuationModel {
 FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
                                  const std::vector<Residual>& residuals);
 
+/// Whether something holds the slide by friction.
+bool sticks(const TwinConfig& model);
+
 /// The course that a twin foretells: on a real bed unevenness works a slide with friction loose, so that its
 /// slow course is that of a slide without.
 Predicted slow_course(const TwinConfig& model, const RunGrid& grid);

@@ -10,7 +10,8 @@ constexpr double one_degree = 0.0174533;
 
 bool repeats(const logs::Run& a, const logs::Run& b) {
   const auto in_order = [](const logs::Run& run) { return run.role == logs::Role::reference; };
-  return in_order(a) == in_order(b) && std::abs(a.slip - b.slip) < 0.02 && std::abs(a.steering_angle - b.steering_angle) < one_degree &&
+  return in_order(a) == in_order(b) && std::abs(a.slip - b.slip) < 0.02 &&
+         std::abs(a.steering_angle - b.steering_angle) < one_degree &&
          std::abs(a.load - b.load) <= 0.02 * std::max(a.load, b.load);
 }
 

@@ -98,8 +98,8 @@ Predicted simulate(const TwinConfig& model, const RunGrid& grid,
 
   const int n = grid.bins();
   Predicted predicted(channel_rows, n);
-  constexpr int parts = 5;        // of a bin while a wheel that starts leaves its print
-  constexpr int start_bins = 16;  // after the start
+  constexpr int parts = 5;       // of a bin while a wheel that starts leaves its print
+  constexpr int start_bins = 8;  // after the start
   int since_rest = start_bins;
   for (int i = 0; i < n; ++i) {
     since_rest = grid.moving[static_cast<std::size_t>(i)] ? since_rest + 1 : 0;

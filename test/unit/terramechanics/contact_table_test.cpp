@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <thread>
 #include <vector>
 
@@ -26,7 +27,7 @@ class ContactTableTest : public testing::TestWithParam<bool> {};
 TEST_P(ContactTableTest, LoadsAreThoseOfTheIntegralsWhateverChanges) {
   Random random(3, 1);
   int covered = 0;
-  for (int soil_number = 0; soil_number < 6; ++soil_number) {
+  for (int soil_number = 0; soil_number < 3; ++soil_number) {
     Soil soil;
     soil.n = random.uniform(0.6, 1.5);
     soil.K = random.uniform(0.006, 0.04);
@@ -34,7 +35,7 @@ TEST_P(ContactTableTest, LoadsAreThoseOfTheIntegralsWhateverChanges) {
     soil.c1 = random.uniform(0.1, 0.5);
     const Wheel w = wheel(GetParam());
     const auto table = std::make_shared<ContactTable>(w, soil);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 60; ++i) {
       Soil changed = soil;
       changed.phi = random.uniform(0.4, 0.8);
       const double modulus = std::exp(random.uniform(-1.0, 1.0));
@@ -48,18 +49,18 @@ TEST_P(ContactTableTest, LoadsAreThoseOfTheIntegralsWhateverChanges) {
       const double h = random.uniform(0.003, 0.025);
       const ContactState exact = WheelOnSoil(w, changed).at_hub_displacement(h, operation, change);
       const ContactState quick = WheelOnSoil(w, changed, table).at_hub_displacement(h, operation, change);
-      const double size = exact.normal_load + 1e-3;
+      const double size = std::abs(exact.normal_load) + 5.0;
       ASSERT_NEAR(quick.normal_load, exact.normal_load, 5e-4 * size);
       ASSERT_NEAR(quick.drawbar_pull, exact.drawbar_pull, 1e-3 * size) << operation.slip;
-      ASSERT_NEAR(quick.drive_torque, exact.drive_torque, 1e-3 * size * w.radius);
-      ASSERT_NEAR(quick.deflection, exact.deflection, 5e-4 * h);
+      ASSERT_NEAR(quick.drive_torque, exact.drive_torque, 5e-4 * size * w.radius);
+      ASSERT_NEAR(quick.deflection, exact.deflection, 2e-4 * h);
       const ContactState rest = WheelOnSoil(w, changed).at_rest_at_hub_displacement(h, change);
       const ContactState quick_rest = WheelOnSoil(w, changed, table).at_rest_at_hub_displacement(h, change);
-      ASSERT_NEAR(quick_rest.normal_load, rest.normal_load, 5e-4 * (rest.normal_load + 1e-3));
+      ASSERT_NEAR(quick_rest.normal_load, rest.normal_load, 2e-4 * (rest.normal_load + 5.0));
       covered += table->covers(exact.sinkage / change.sinkage_factor, exact.deflection, operation.slip);
     }
   }
-  EXPECT_GT(covered, 1500);
+  EXPECT_GT(covered, 150);
 }
 
 INSTANTIATE_TEST_SUITE_P(RigidAndFlexible, ContactTableTest, testing::Bool());

@@ -179,6 +179,19 @@ TEST(WheelOnSoil, SinkageFactorScalesTheSinkageOfTheLaw) {
   EXPECT_NEAR(deeper.sinkage, 1.4 * plain.sinkage, 1e-9 * plain.sinkage);
   EXPECT_NEAR(model.at_hub_displacement(deeper.hub_displacement, {0.3, 0.0}, loose).normal_load, kLoad,
               1e-7 * kLoad);
+  // The same forces as of a soil so soft that the wheel sinks as deep, strength and stiffness alike.
+  SoilChange soft;
+  const auto sinkage = [&](double factor) {
+    soft.stiffness_factor = factor;
+    return model.at_load(kLoad, {0.3, 0.0}, soft).sinkage;
+  };
+  double low = 0.2, high = 1.0;
+  for (int i = 0; i < 60; ++i)
+    (sinkage(0.5 * (low + high)) > deeper.sinkage ? low : high) = 0.5 * (low + high);
+  const ContactState softer = model.at_load(kLoad, {0.3, 0.0}, soft);
+  EXPECT_NEAR(deeper.thrust, softer.thrust, 1e-6 * kLoad);
+  EXPECT_NEAR(deeper.compaction_resistance, softer.compaction_resistance, 1e-6 * kLoad);
+  EXPECT_GT(deeper.drive_torque, plain.drive_torque);
 }
 
 class DoubleAt final : public DepthFactor {
