@@ -151,22 +151,59 @@ std::vector<Unknown> baseline_unknowns(const TwinConfig& m) {
   return u;
 }
 
-TwinConfig with_baseline(const TwinConfig& model, const std::vector<double>& x) {
+TwinConfig with_baseline(const TwinConfig& model, const std::vector<Unknown>& unknowns,
+                         const std::vector<double>& x) {
   TwinConfig m = model;
-  m.soil.k_c *= std::exp(x[0]);
-  m.soil.k_phi *= std::exp(x[0]);
-  m.soil.n = x[1];
-  m.soil.c = x[2];
-  m.soil.phi = x[3];
-  m.soil.K *= std::exp(x[4]);
-  m.soil.c1 = x[5];
-  m.soil.c2 = x[6];
-  m.soil.gamma = x[7];
-  m.rig.mount.arm_z = x[8];
-  m.rig.mount.drive_torque_share = x[9];
-  m.rig.drive.coulomb_loss = x[10];
-  if (m.wheel.stiffness) m.wheel.stiffness = *m.wheel.stiffness * std::exp(x[11]);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    const std::string& name = unknowns[i].name;
+    if (name == "ln_stiffness") {
+      m.soil.k_c = model.soil.k_c * std::exp(x[i]);
+      m.soil.k_phi = model.soil.k_phi * std::exp(x[i]);
+    } else if (name == "n") {
+      m.soil.n = x[i];
+    } else if (name == "c") {
+      m.soil.c = x[i];
+    } else if (name == "phi") {
+      m.soil.phi = x[i];
+    } else if (name == "ln_K") {
+      m.soil.K = model.soil.K * std::exp(x[i]);
+    } else if (name == "c1") {
+      m.soil.c1 = x[i];
+    } else if (name == "c2") {
+      m.soil.c2 = x[i];
+    } else if (name == "gamma") {
+      m.soil.gamma = x[i];
+    } else if (name == "arm_z") {
+      m.rig.mount.arm_z = x[i];
+    } else if (name == "drive_torque_share") {
+      m.rig.mount.drive_torque_share = x[i];
+    } else if (name == "drive_loss") {
+      m.rig.drive.coulomb_loss = x[i];
+    } else if (name == "ln_hub_stiffness") {
+      m.wheel.stiffness = *model.wheel.stiffness * std::exp(x[i]);
+    } else {
+      throw Error("the baseline has no unknown '" + name + "'");
+    }
+  }
   return m;
+}
+
+std::vector<Unknown> unknowns_beside_shape(const Calibration& calibration) {
+  std::vector<Unknown> result;
+  for (std::size_t i = 0; i < calibration.unknowns.size(); ++i) {
+    Unknown u = calibration.unknowns[i];
+    const double found = calibration.fit.x[i];
+    if (u.name == "n" || u.name == "ln_K" || u.name == "c1" || u.name == "c2" || u.name == "gamma") continue;
+    u.start = found;
+    if (u.name.compare(0, 3, "ln_") == 0) {  // factors on the calibrated value
+      u.start = 0.0;
+      u.prior -= found;
+      u.lower -= found;
+      u.upper -= found;
+    }
+    result.push_back(u);
+  }
+  return result;
 }
 
 Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGrid*>& runs,
@@ -178,7 +215,7 @@ Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGri
   for (const RunGrid* run : runs) steady.push_back(condensed(*run, steady_bins));
   const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
     try {
-      const TwinConfig model = with_baseline(declared, x);
+      const TwinConfig model = with_baseline(declared, calibration.unknowns, x);
       for (const RunGrid& run : steady) whiten(run, residual_of(run, simulate(model, run)), first, out);
     } catch (const Error&) {
       return false;
@@ -188,7 +225,7 @@ Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGri
   calibration.fit = least_squares(calibration.unknowns, function, 60);
   if (!calibration.fit.usable)
     throw Error(declared.name + ": no soil near the declared one carries the loads of the runs");
-  calibration.model = with_baseline(declared, calibration.fit.x);
+  calibration.model = with_baseline(declared, calibration.unknowns, calibration.fit.x);
   calibration.model.start_up = best_start_up(calibration.model, runs, first);
 
   std::vector<Residual> residuals;

@@ -18,8 +18,15 @@ TwinConfig declared_twin(const logs::Experiment& experiment);
 /// absolute.
 std::vector<Unknown> baseline_unknowns(const TwinConfig& model);
 
-/// `model` with the values of its unknowns replaced.
-TwinConfig with_baseline(const TwinConfig& model, const std::vector<double>& x);
+/// `model` with the values x of `unknowns` (some or all of baseline_unknowns) replaced.
+TwinConfig with_baseline(const TwinConfig& model, const std::vector<Unknown>& unknowns,
+                         const std::vector<double>& x);
+
+struct Calibration;
+
+/// Those of the unknowns that leave the shape of the contact law alone, so that its table stays good, about
+/// the calibrated model, with the priors about the declared one.
+std::vector<Unknown> unknowns_beside_shape(const Calibration& calibration);
 
 struct Calibration {
   TwinConfig model;

@@ -44,7 +44,7 @@ TwinConfig model_of(const Evidence& evidence, const Layout& layout, const std::v
   TwinConfig model =
       evidence.nuisance.empty()
           ? evidence.baseline
-          : with_baseline(evidence.baseline,
+          : with_baseline(evidence.baseline, evidence.nuisance,
                           {x.begin(), x.begin() + static_cast<std::ptrdiff_t>(layout.nuisance)});
   const auto values = layout.split(x);
   for (std::size_t k = 0; k < layout.types.size(); ++k)

@@ -315,10 +315,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   } else {
     evidence.baseline.corrections.clear();
     d.before = evidence.baseline;
-    evidence.baseline = declared;
-    evidence.nuisance = calibration.unknowns;
-    for (std::size_t i = 0; i < evidence.nuisance.size(); ++i)
-      evidence.nuisance[i].start = calibration.fit.x[i];
+    evidence.nuisance = unknowns_beside_shape(calibration);
   }
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));

@@ -175,7 +175,7 @@ class Slope final : public rig::SoilPort {
 
 class Twice final : public rig::SoilPort {
  public:
-  double stiffness_factor(const rig::RigState&, double) const override { return 2.0; }
+  double stiffness_factor(const rig::RigState&) const override { return 2.0; }
 };
 
 class SlipDependent final : public rig::SoilPort {
