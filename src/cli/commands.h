@@ -16,6 +16,7 @@ void add_compare(CLI::App& app);
 void add_diagnose(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_steady(CLI::App& app);
+void add_wheel(CLI::App& app);
 void add_bench(CLI::App& app);
 
 }  // namespace wheel_twin::cli

@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   wheel_twin::cli::add_diagnose(app);
   wheel_twin::cli::add_evaluate(app);
   wheel_twin::cli::add_steady(app);
+  wheel_twin::cli::add_wheel(app);
   wheel_twin::cli::add_bench(app);
   try {
     app.parse(argc, argv);

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "nodes/marker_parts.h"
+
 namespace wheel_twin::nodes {
 namespace {
 
@@ -14,36 +16,6 @@ using visualization_msgs::Marker;
 using visualization_msgs::MarkerArray;
 
 constexpr double newtons_to_metres = 0.005;  // length of a force arrow
-
-std_msgs::ColorRGBA colour(double r, double g, double b, double a = 1.0) {
-  std_msgs::ColorRGBA c;
-  c.r = static_cast<float>(r);
-  c.g = static_cast<float>(g);
-  c.b = static_cast<float>(b);
-  c.a = static_cast<float>(a);
-  return c;
-}
-
-geometry_msgs::Point point(double x, double y, double z) {
-  geometry_msgs::Point p;
-  p.x = x;
-  p.y = y;
-  p.z = z;
-  return p;
-}
-
-Marker marker(const char* name, int id, int type) {
-  Marker m;
-  m.header.frame_id = "rig";  // stamp 0: with the newest transform
-  m.ns = name;
-  m.id = id;
-  m.type = type;
-  m.action = Marker::ADD;
-  m.pose.orientation.w = 1.0;
-  m.scale.x = m.scale.y = m.scale.z = 1.0;
-  m.color = colour(1, 1, 1);
-  return m;
-}
 
 /// A fixed value of -1 to 1 for a cell.
 double speckle(std::int64_t column, std::int64_t row) {

@@ -322,6 +322,13 @@ std::vector<BeamState> FlexibleWheel::beams() const {
   return states;
 }
 
+double FlexibleWheel::rim_bending(int index) const {
+  if (impl_->rigid) return 0.0;
+  // The rim's joints are the last ones.
+  const auto first = impl_->built.parts.joints.size() - impl_->model.segments;
+  return impl_->system.joint_angle(static_cast<int>(first) + index);
+}
+
 Energy FlexibleWheel::energy() const {
   return {impl_->system.kinetic_energy(), impl_->system.elastic_energy(), impl_->system.dissipated()};
 }

@@ -114,6 +114,9 @@ class FlexibleWheel {
   /// What the rim exerts on the hub about its centre, rig axes, mean over the last step.
   Wrench reaction() const;
   std::vector<BeamState> beams() const;
+  /// Change of the angle between segment `index` and the next one, rad, positive when the rim bends more than
+  /// undeformed; 0 of a rigid wheel.
+  double rim_bending(int index) const;
   Energy energy() const;
   /// Angular momentum about the axle's direction through the rig's origin, kg m^2/s, hub included.
   double angular_momentum() const;

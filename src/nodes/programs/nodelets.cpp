@@ -7,6 +7,7 @@
 
 #include "nodes/clean_shutdown.h"
 #include "nodes/dem_soil_bridge.h"
+#include "nodes/flexible_wheel_bridge.h"
 #include "nodes/live_twin_bridge.h"
 #include "nodes/virtual_rig_bridge.h"
 
@@ -31,9 +32,11 @@ class BridgeNodelet : public nodelet::Nodelet {
 using VirtualRigNodelet = BridgeNodelet<VirtualRigBridge>;
 using LiveTwinNodelet = BridgeNodelet<LiveTwinBridge>;
 using DemSoilNodelet = BridgeNodelet<DemSoilBridge>;
+using FlexibleWheelNodelet = BridgeNodelet<FlexibleWheelBridge>;
 
 }  // namespace wheel_twin::nodes
 
 PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::VirtualRigNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::LiveTwinNodelet, nodelet::Nodelet)
 PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::DemSoilNodelet, nodelet::Nodelet)
+PLUGINLIB_EXPORT_CLASS(wheel_twin::nodes::FlexibleWheelNodelet, nodelet::Nodelet)

@@ -2,7 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdlib>
 #include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
 
 #include "base/error.h"
 
@@ -21,83 +26,6 @@ WheelModel configured_wheel(const std::string& name, Bending rim_bending, int se
           ? printed_stiffness(segments, model.radius, rigidity, small_load(model.radius, rigidity))
           : bending_stiffness(model.rim, rim_bending, 2.0 * M_PI * model.radius / segments);
   return model;
-}
-
-WheelModel free_ring(const WheelModel& wheel) {
-  WheelModel ring = wheel;
-  ring.suspension = Suspension::springs;
-  ring.springs.positions = 0;
-  ring.faults.clear();
-  ring.damping_ratio = 0.0;
-  return ring;
-}
-
-namespace {
-
-struct Quarter {
-  double end_angle, x, y;
-};
-
-Quarter integrate(double curvature, double k, double length) {
-  const int steps = 4000;
-  const double h = length / steps;
-  double psi = 0.0, kappa = curvature, x = 0.0, y = 0.0;
-  for (int i = 0; i < steps; ++i) {
-    const double k1 = kappa, l1 = -k * std::sin(psi);
-    const double k2 = kappa + 0.5 * h * l1, l2 = -k * std::sin(psi + 0.5 * h * k1);
-    const double k3 = kappa + 0.5 * h * l2, l3 = -k * std::sin(psi + 0.5 * h * k2);
-    const double k4 = kappa + h * l3, l4 = -k * std::sin(psi + h * k3);
-    const double middle = psi + 0.25 * h * (k1 + k2);
-    const double next = psi + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    x += h / 6.0 * (std::sin(psi) + 4.0 * std::sin(middle) + std::sin(next));
-    y += h / 6.0 * (std::cos(psi) + 4.0 * std::cos(middle) + std::cos(next));
-    psi = next;
-    kappa += h / 6.0 * (l1 + 2.0 * l2 + 2.0 * l3 + l4);
-  }
-  return {psi, x, y};
-}
-
-}  // namespace
-
-DiameterChange elastica(double radius, double flexural_rigidity, double load) {
-  const double k = 0.5 * load / flexural_rigidity;
-  const double length = 0.5 * M_PI * radius;
-  double low = 0.0;
-  double high = 10.0 / radius;
-  for (int i = 0; i < 100; ++i) {
-    const double middle = 0.5 * (low + high);
-    (integrate(middle, k, length).end_angle < 0.5 * M_PI ? low : high) = middle;
-  }
-  const Quarter quarter = integrate(0.5 * (low + high), k, length);
-  return {2.0 * (quarter.y - radius), 2.0 * (quarter.x - radius)};
-}
-
-double elastica_load(double radius, double flexural_rigidity, double fraction) {
-  double low = 0.0;
-  double high = 4.0 * fraction * 2.0 * flexural_rigidity / (0.1488 * radius * radius);
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (low + high);
-    (-elastica(radius, flexural_rigidity, middle).loaded < fraction * 2.0 * radius ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
-}
-
-DiameterChange squeeze(const WheelModel& ring, double load) {
-  FlexibleWheel wheel(ring);
-  const int half = ring.segments / 2;
-  const int quarter = ring.segments / 4;
-  const auto span = [&](int a, int b) {
-    return (wheel.segment(a).position - wheel.segment(b).position).norm();
-  };
-  const double loaded = span(0, half);
-  const double free = span(quarter, quarter + half);
-  const double omega = ring_frequency(2, ring.radius, ring.rim.flexural_rigidity(),
-                                      ring.rim.density * ring.rim.width * ring.rim.thickness);
-  wheel.relax(wheel.stable_step(), 2.0 * omega, 1.0e-7, 2000000, [&](FlexibleWheel& w) {
-    w.apply(0, {0.0, 0.0, -load}, Vector3d::Zero());
-    w.apply(half, {0.0, 0.0, load}, Vector3d::Zero());
-  });
-  return {span(0, half) - loaded, span(quarter, quarter + half) - free};
 }
 
 double measured_frequency(const WheelModel& ring, int n) {
@@ -126,59 +54,32 @@ double measured_frequency(const WheelModel& ring, int n) {
   return M_PI * (crossings - 1) / (last - first);
 }
 
-double standing_deflection(const WheelModel& model, double load, double angle) {
-  FlexibleWheel wheel(model);
-  HubMotion hub;
-  hub.angle = angle;
-  wheel.place(hub);
-  const double touch = -RigidFloor::lowest_corner(wheel);
-  hub.position.z() = touch;
-  wheel.place(hub);
-  wheel.set_freedom({false, true, false});
-  wheel.set_hub_load({{0.0, 0.0, -load}, Vector3d::Zero()});
-  RigidFloor floor(wheel, {0.0, 1.0e6, 0.0, 0.0});
-  const double dt = std::min(1.0e-5, wheel.stable_step());
-  wheel.relax(dt, 150.0, 1.0e-7, 500000, [&](FlexibleWheel& w) { floor.press(w, dt); });
-  const double overlap = -RigidFloor::lowest_corner(wheel);
-  return touch - wheel.hub().position.z() - overlap;
-}
-
 Rolling roll(const WheelModel& model, double load, double speed, double settle, double distance,
              double floor_damping) {
-  FlexibleWheel wheel(model);
-  HubMotion hub;
-  hub.position.z() = -RigidFloor::lowest_corner(wheel);
-  wheel.place(hub);
-  wheel.set_freedom({false, true, false});
-  wheel.set_hub_load({{0.0, 0.0, -load}, Vector3d::Zero()});
-  RigidFloor floor(wheel, {0.0, 5.0e5, floor_damping, 0.8});
-  const double dt = std::min(2.0e-5, wheel.stable_step());
-  wheel.relax(dt, 150.0, 1.0e-5, 500000, [&](FlexibleWheel& w) { floor.press(w, dt); });
-  hub = wheel.hub();
-  wheel.set_freedom({false, true, true});
-  // Brought to speed over a quarter of the settling distance, without a jump of the acceleration.
-  const double ramp = 0.5 * settle / speed;
+  RollingSettings settings;
+  settings.load = load;
+  settings.speed = speed;
+  settings.ramp = 0.5 * settle / speed;
+  settings.ground.contact = {5.0e5, floor_damping, 0.8};
+  RollingWheel rolling_wheel(model, settings);
+  rolling_wheel.settle();
   Rolling rolling;
-  double time = 0.0, start_energy = 0.0;
-  const double end = 0.5 * ramp + (settle + distance) / speed;
-  const auto samples = static_cast<std::int64_t>(end / dt);
-  const std::int64_t every = std::max<std::int64_t>(1, samples / 8000);
-  for (std::int64_t i = 0; i < samples; ++i) {
-    const Vector3d force = floor.press(wheel, dt);
-    time += dt;
-    const double s = std::min(1.0, time / ramp);
-    hub.velocity.x() = speed * s * s * (3.0 - 2.0 * s);
-    hub.position.x() =
-        speed * (s < 1.0 ? ramp * (s * s * s - 0.5 * s * s * s * s) : 0.5 * ramp + (time - ramp));
-    wheel.step(dt, hub);
+  double start_energy = 0.0;
+  const double dt = rolling_wheel.time_step();
+  const auto every = std::max<std::int64_t>(1, std::llround((settle + distance) / speed / dt / 8000.0));
+  for (std::int64_t i = 0;; ++i) {
+    rolling_wheel.step();
+    const HubMotion hub = rolling_wheel.wheel().hub();
+    if (hub.position.x() >= settle + distance) break;
+    const double dissipated = rolling_wheel.wheel().energy().dissipated;
     if (hub.position.x() < settle) {
-      start_energy = wheel.energy().dissipated;
+      start_energy = dissipated;
       continue;
     }
-    rolling.dissipated = wheel.energy().dissipated - start_energy;
-    const HubMotion now = wheel.hub();
-    if (i % every == 0)
-      rolling.samples.push_back({hub.position.x(), now.position.z(), force.x(), force.z(), now.angle});
+    rolling.dissipated = dissipated - start_energy;
+    if (i % every != 0) continue;
+    const Vector3d force = rolling_wheel.ground_force();
+    rolling.samples.push_back({hub.position.x(), hub.position.z(), force.x(), force.z(), hub.angle});
   }
   return rolling;
 }
@@ -227,7 +128,7 @@ double height_at(const Rolling& rolling, double angle, double half_window) {
 
 double finite_element_drop(const std::string& name, double load) {
   const std::string path =
-      std::string(WHEEL_TWIN_SOURCE_DIR) + "/test/verification/wheel/calculix/reference/" + name + ".csv";
+      std::string(WHEEL_TWIN_SOURCE_DIR) + "/test/verification/wheel/reference/" + name + ".csv";
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -240,6 +141,69 @@ double finite_element_drop(const std::string& name, double load) {
     force_before = force;
   }
   throw Error(path + ": does not reach the load");
+}
+
+namespace {
+
+/// Heights over angles (degrees) of one curve of reference/beam_model_height.csv.
+std::map<double, double> beam_model_curve(const std::string& wheel, bool missing) {
+  const std::string path =
+      std::string(WHEEL_TWIN_SOURCE_DIR) + "/test/verification/wheel/reference/beam_model_height.csv";
+  std::ifstream file(path);
+  std::map<double, double> curve;
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    std::string name, without, load, angle, height;
+    std::getline(cells, name, ',');
+    std::getline(cells, without, ',');
+    std::getline(cells, load, ',');
+    std::getline(cells, angle, ',');
+    std::getline(cells, height, ',');
+    if (name == wheel && without.empty() != missing) curve[std::stod(angle)] = std::stod(height);
+  }
+  if (curve.empty()) throw Error(path + ": no curve of " + wheel);
+  return curve;
+}
+
+}  // namespace
+
+double beam_model_height(const std::string& wheel, bool missing, double degrees) {
+  return beam_model_curve(wheel, missing).at(degrees);
+}
+
+double beam_model_mean(const std::string& wheel, bool missing) {
+  // Half a turn or a whole pitch, its two ends half weighted.
+  const auto curve = beam_model_curve(wheel, missing);
+  double sum = 0.5 * (curve.begin()->second + curve.rbegin()->second);
+  for (auto it = std::next(curve.begin()); std::next(it) != curve.end(); ++it) sum += it->second;
+  return sum / static_cast<double>(curve.size() - 1);
+}
+
+double beam_model_ripple(const std::string& wheel, int n) {
+  const auto curve = beam_model_curve(wheel, true);
+  const double last = curve.rbegin()->first;  // half a turn of an even function
+  double sum = 0.0;
+  for (const auto& [degrees, height] : curve) {
+    const double weight = degrees == 0.0 || degrees == last ? 0.5 : 1.0;
+    sum += weight * height * std::cos(n * degrees * M_PI / 180.0);
+  }
+  return std::abs(2.0 * sum / static_cast<double>(curve.size() - 1));
+}
+
+WheelModel plate_wheel(const std::string& name, int segments) {
+  WheelModel model = configured_wheel(name, Bending::plate, segments);
+  if (model.suspension == Suspension::beams) {
+    const double radius = 0.5 * (model.radius - model.hub_radius);
+    model.beams.joint_stiffness =
+        bending_stiffness(model.beams.sheet, Bending::plate, M_PI * radius / model.beams.bodies);
+  }
+  return model;
+}
+
+bool long_run() {
+  return std::getenv("WHEEL_TWIN_LONG") != nullptr;
 }
 
 }  // namespace wheel_twin::wheel

@@ -8,31 +8,16 @@
 
 #include "wheel/calibration.h"
 #include "wheel/flexible_wheel.h"
-#include "wheel/rigid_floor.h"
+#include "wheel/ring_check.h"
+#include "wheel/rolling_wheel.h"
 
 namespace wheel_twin::wheel {
 
 /// A wheel of config/wheels without grousers, its rim's springs by the given rule.
 WheelModel configured_wheel(const std::string& name, Bending rim_bending, int segments = 64);
-/// The rim alone, undamped.
-WheelModel free_ring(const WheelModel& wheel);
-
-/// Changes of both diameters of a thin inextensible ring under two opposite loads, any deflection: the
-/// elastica EI psi'' = -(W/2) sin(psi) over a quarter, psi the tangent's angle from the loads' direction, by
-/// shooting.
-DiameterChange elastica(double radius, double flexural_rigidity, double load);
-/// The load (N) that changes the loaded diameter by `fraction` of itself.
-double elastica_load(double radius, double flexural_rigidity, double fraction);
-
-/// The multibody ring's static answer: loads on the middle of two opposite segments.
-DiameterChange squeeze(const WheelModel& ring, double load);
 /// Angular frequency (rad/s) of in-plane mode n of the multibody ring, from the zero crossings of a small
 /// vibration.
 double measured_frequency(const WheelModel& ring, int n);
-
-/// Hub drop (m) of a wheel that stands on a hard floor, loaded at the hub: from first touch, less the floor's
-/// overlap. `angle` is the wheel's.
-double standing_deflection(const WheelModel& model, double load, double angle = 0.0);
 
 /// One sample of a wheel rolling on a hard floor.
 struct RollingSample {
@@ -63,8 +48,21 @@ double ripple(const Rolling& rolling, double per_revolution);
 /// Hub height (m) where the wheel's angle is `angle` modulo a turn, mean within `half_window` rad.
 double height_at(const Rolling& rolling, double angle, double half_window);
 
-/// A reference curve of test/verification/wheel/calculix/reference: hub drop (m) at a load (N), by
+/// A reference curve of test/verification/wheel/reference: hub drop (m) at a load (N), by
 /// interpolation.
 double finite_element_drop(const std::string& name, double load);
+
+/// The same model by the beam model (beam_model.py): hub height (m) over a hard floor under the wheel's load
+/// of the paper. `missing`: position 8 has no springs or beams; `degrees`: the wheel's angle.
+double beam_model_height(const std::string& wheel, bool missing, double degrees);
+/// Mean of it over a turn (a pitch without a missing position), and amplitude of its harmonic n of a turn.
+double beam_model_mean(const std::string& wheel, bool missing);
+double beam_model_ripple(const std::string& wheel, int n);
+
+/// A configured wheel whose rim and beams bend as plates, as the references do.
+WheelModel plate_wheel(const std::string& name, int segments = 64);
+
+/// Minutes-long checks run where the environment variable WHEEL_TWIN_LONG is set (scripts/validate wheel).
+bool long_run();
 
 }  // namespace wheel_twin::wheel

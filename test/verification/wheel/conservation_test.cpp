@@ -56,7 +56,7 @@ TEST(Conservation, T0R0KeepsMomentumAndEnergy) {
   WheelModel model = configured_wheel("t0_r0", Bending::beam);
   model.damping_ratio = 0.0;
   FlexibleWheel wheel(model);
-  const Drift drift = spin(wheel, 2e-5, 0.4);  // ten seconds: scripts/validate wheel
+  const Drift drift = spin(wheel, 2e-5, long_run() ? 10.0 : 0.4);
   EXPECT_LT(drift.momentum, 1e-9);
   EXPECT_LT(drift.energy, 1e-4);
 }

@@ -10,6 +10,10 @@
 namespace wheel_twin::wheel {
 namespace {
 
+double standing_deflection(const WheelModel& model, double load) {
+  return load_deflection(model, {load}).front().deflection;
+}
+
 TEST(Standing, AmaliaWithinThePapersErrorOfFiniteElements) {
   for (const Bending bending : {Bending::printed, Bending::beam, Bending::plate}) {
     const WheelModel model = configured_wheel("amalia", bending);
