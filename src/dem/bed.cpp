@@ -20,9 +20,9 @@
 namespace wheel_twin::dem {
 namespace {
 
-constexpr int method_version = 4;        // of the recipe below: a change of it changes every bed
-constexpr double highest_rolling = 1.0;  // rolling friction while filling
-constexpr double headroom = 0.1;         // m over the cloud: a grain may be thrown up
+constexpr int method_version = 4;       // of the recipe below: a change of it changes every bed
+constexpr double highest_excess = 0.5;  // of the friction while filling over the grains' own
+constexpr double headroom = 0.1;        // m over the cloud: a grain may be thrown up
 
 double grain_size(const GranularSoil& soil) {
   return 2.0 * soil.clumps.smallest_radius() / soil.clumps.smallest_size;
@@ -56,10 +56,10 @@ double cloud_height(const GranularSoil& soil, const BedSettings& s) {
          (s.length * s.width * s.cloud_density);
 }
 
-// Friction up to the grains' own slides; what is beyond it resists rolling.
+// What goes beyond the grains' own friction also resists rolling.
 PairProperties while_filling(const GranularSoil& soil, double fill_friction) {
   PairProperties pair = soil.grain_grain;
-  pair.friction = std::min(fill_friction, soil.grain_grain.friction);
+  pair.friction = fill_friction;
   pair.rolling_friction += std::max(0.0, fill_friction - soil.grain_grain.friction);
   return pair;
 }
@@ -114,14 +114,19 @@ double tuned_friction(const GranularSoil& soil, const BedSettings& s, int thread
     return packing_density(system, inner_region(soil, column));
   };
   constexpr double tolerance = 0.0015;
+  constexpr double allowed = 0.005;  // where the wanted density is the edge of what can be had
   const double own = soil.grain_grain.friction;
   const double target = soil.packing_density;
   const double at_own = density(own);
   if (std::abs(at_own - target) <= tolerance) return own;
   if (at_own < target)
     return tune_friction(target, own, tolerance, [&](double mu) { return mu == own ? at_own : density(mu); });
-  return own + tune_friction(target, highest_rolling, tolerance,
-                             [&](double rolling) { return density(own + rolling); });
+  // Beyond a rolling friction of a half packings get no looser.
+  const double loosest = density(own + highest_excess);
+  if (loosest > target && loosest - target < allowed) return own + highest_excess;
+  return own + tune_friction(target, highest_excess, tolerance, [&](double excess) {
+           return excess == highest_excess ? loosest : density(own + excess);
+         });
 }
 
 // Cuts the bed so that the mean of the surface lies at z = 0.

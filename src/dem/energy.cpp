@@ -46,6 +46,11 @@ void LossBook::record(std::uint64_t key, const float* trace, std::size_t stride,
   entries_[key] = now;
 }
 
+void LossBook::keep(std::uint64_t key, std::int64_t step) {
+  const auto entry = entries_.find(key);
+  if (entry != entries_.end()) entry->second.step = step;
+}
+
 void LossBook::forget_old(std::int64_t step) {
   for (auto entry = entries_.begin(); entry != entries_.end();) {
     if (entry->second.step == step) {
@@ -82,6 +87,7 @@ void System::Impl::record_losses() {
   for (const auto& part : walls.parts()) power += part.power;
   losses.wall_work += 0.5 * (power + losses.last_wall_power) * time_step;
   losses.last_wall_power = power;
+  for (const auto& h : dormant) losses.keep(std::uint64_t{h.a} << 32U | h.b, step);
   for (std::size_t t = 0; t < walls.threads() && !walls.parts().empty(); ++t) {
     const WallContacts& contacts = walls.contacts(t);
     const std::size_t stride = contacts.sphere.size();
@@ -92,6 +98,10 @@ void System::Impl::record_losses() {
                        contacts.shear[0][k], contacts.shear[1][k], contacts.shear[2][k]);
       const std::uint64_t key = number_of(touch.sphere) << 32U | 0x80000000U | (touch.part & 0x7ffU) << 20U |
                                 (touch.facet & 0xfffffU);
+      if (t >= team->size()) {
+        losses.keep(key, step);
+        continue;
+      }
       losses.record(key, walls.trace(t).data() + k, stride, stored, time_step, step);
     }
   }

@@ -39,6 +39,7 @@ struct MotionTask {
   const Period* period = nullptr;
   double time_step = 0.0;
   double gravity[3] = {0.0, 0.0, 0.0};
+  std::size_t awake_end = ~std::size_t{0};  ///< bodies from here on do not move
 };
 
 struct MotionResult {

@@ -78,7 +78,7 @@ MotionResult UpdateBodies(const MotionTask& task, std::size_t begin, std::size_t
   Bodies& b = *task.bodies;
   const bool oriented = !b.q[0].empty();
   const SpherePlacer placer(task);
-  const VD dt = hn::Set(d, task.time_step);
+  const VD whole_step = hn::Set(d, task.time_step);
   const VF dt_f = hn::Set(df, static_cast<float>(task.time_step));
   const Vector3<VD> gravity{hn::Set(d, task.gravity[0]), hn::Set(d, task.gravity[1]),
                             hn::Set(d, task.gravity[2])};
@@ -92,10 +92,16 @@ MotionResult UpdateBodies(const MotionTask& task, std::size_t begin, std::size_t
     inside = hn::And(inside, hn::And(hn::Ge(x, low), hn::Le(x, high)));
     return x;
   };
-  auto inside = hn::Eq(dt, dt);
+  auto inside = hn::Eq(whole_step, whole_step);
   VF smallest = hn::Set(df, 1e30F);
 
   for (std::size_t at = begin; at < end; at += lanes) {
+    // A sleeping body has no velocity: with a step of zero it stays as it is to the bit.
+    const VD dt =
+        at + lanes <= task.awake_end
+            ? whole_step
+            : hn::IfThenElseZero(hn::FirstN(d, task.awake_end > at ? task.awake_end - at : std::size_t{0}),
+                                 whole_step);
     Vector3<VD> x = Load3(b.x, at);
     Vector3<VD> v = Load3(b.v, at);
     Vector3<VD> l = Load3(b.l, at);

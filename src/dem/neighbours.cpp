@@ -247,7 +247,7 @@ void reorder(Column<T>& values, const std::vector<std::uint32_t>& order) {
 }  // namespace
 
 void find_pairs(const Bodies& bodies, const Spheres& spheres, const Period& period,
-                const ThreadBounds& bounds, OuterList& list) {
+                const ThreadBounds& bounds, OuterList& list, std::size_t without) {
   const std::size_t threads = bounds.size() - 1;
   list.i.assign(threads + 1, {});
   list.j.assign(threads + 1, {});
@@ -260,6 +260,7 @@ void find_pairs(const Bodies& bodies, const Spheres& spheres, const Period& peri
   Grid(bodies, spheres, period).pairs([&](std::uint32_t a, std::uint32_t b) {
     const std::size_t t = thread_of(a);
     const std::size_t part = t == thread_of(b) ? t : threads;
+    if (part == without) return;
     list.i[part].push_back(a);
     list.j[part].push_back(b);
   });
@@ -298,6 +299,7 @@ std::vector<std::uint32_t> spatial_order(const Bodies& bodies, const Period& per
   std::vector<std::uint32_t> order(bodies.count);
   std::iota(order.begin(), order.end(), 0U);
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (bodies.asleep[a] != bodies.asleep[b]) return bodies.asleep[a] < bodies.asleep[b];
     return key[a] != key[b] ? key[a] < key[b] : bodies.rank[a] < bodies.rank[b];
   });
   return order;
@@ -321,6 +323,7 @@ void permute(Bodies& bodies, Spheres& spheres, const ShapeTable& shapes,
   reorder(bodies.rank, order);
   reorder(bodies.shape, order);
   reorder(bodies.material, order);
+  reorder(bodies.asleep, order);
   reorder(bodies.load, order);
   std::uint32_t next = 0;
   for (std::size_t b = 0; b < bodies.count; ++b) {

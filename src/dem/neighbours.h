@@ -21,11 +21,13 @@ struct OuterList {
 /// Bodies of thread t: [bounds[t], bounds[t + 1]).
 using ThreadBounds = std::vector<std::size_t>;
 
-/// All pairs of spheres of different bodies whose surfaces are nearer than the sum of the bodies' reserves.
+/// All pairs of spheres of different bodies whose surfaces are nearer than the sum of the bodies' reserves;
+/// pairs inside class `without` (sleeping bodies) are left out.
 void find_pairs(const Bodies& bodies, const Spheres& spheres, const Period& period,
-                const ThreadBounds& bounds, OuterList& list);
+                const ThreadBounds& bounds, OuterList& list, std::size_t without = ~std::size_t{0});
 
-/// Order of the bodies in space: cells along the longest side of the bed first.
+/// Order of the bodies in space: cells along the longest side of the bed first; sleeping bodies behind the
+/// others.
 std::vector<std::uint32_t> spatial_order(const Bodies& bodies, const Period& period, double cell);
 
 /// Rearranges bodies and spheres.

@@ -171,6 +171,11 @@ void store(const State& state, Archive& archive) {
   put_walls(archive, state.walls);
   archive.set("wall_removed",
               std::vector<std::uint32_t>(state.wall_removed.begin(), state.wall_removed.end()));
+  if (!state.asleep.empty()) {
+    archive.set("asleep", std::vector<std::uint32_t>(state.asleep.begin(), state.asleep.end()));
+    archive.set("quiet", state.quiet);
+    put_vectors(archive, "looked_at", state.looked_at);
+  }
 }
 
 State load_state(const Archive& archive) {
@@ -191,6 +196,12 @@ State load_state(const Archive& archive) {
   state.walls = get_walls(archive);
   const auto& removed = archive.get<std::uint32_t>("wall_removed");
   state.wall_removed.assign(removed.begin(), removed.end());
+  if (archive.has("asleep")) {
+    const auto& asleep = archive.get<std::uint32_t>("asleep");
+    state.asleep.assign(asleep.begin(), asleep.end());
+    state.quiet = archive.get<std::uint32_t>("quiet");
+    state.looked_at = get_vectors<Eigen::Vector3d>(archive, "looked_at");
+  }
   return state;
 }
 

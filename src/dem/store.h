@@ -70,6 +70,7 @@ struct Bodies {
   Column<std::uint32_t> rank;   ///< number of the particle
   Column<std::uint32_t> first;  ///< first sphere
   Column<std::uint16_t> shape, material;
+  Column<std::uint8_t> asleep;
   Column<LoadRow> load;
 };
 

@@ -40,6 +40,7 @@ std::uint32_t System::add_wall(const Wall& wall) {
         fmt::format("wall '{}': material {} of {}", wall.name, wall.material, impl_->materials.size()));
   }
   const std::uint32_t number = impl_->walls.add(wall);
+  impl_->wake_all();
   if (!impl_->stale) impl_->pending = impl_->collect_histories();
   impl_->stale = true;
   return number;
@@ -47,6 +48,7 @@ std::uint32_t System::add_wall(const Wall& wall) {
 
 void System::remove_wall(std::uint32_t wall) {
   impl_->walls.remove(wall);
+  impl_->wake_all();
   if (!impl_->stale) impl_->pending = impl_->collect_histories();
   impl_->stale = true;
 }
@@ -99,6 +101,7 @@ const std::vector<ClumpTemplate>& System::templates() const {
 
 void System::set_pair(std::uint32_t material_a, std::uint32_t material_b, const PairProperties& properties) {
   Impl& s = *impl_;
+  s.wake_all();
   s.materials.set_pair(material_a, material_b, properties);
   const bool rolled = s.law.rolling;
   s.prepare_laws();
@@ -109,6 +112,7 @@ void System::set_pair(std::uint32_t material_a, std::uint32_t material_b, const 
 }
 void System::set_gravity(const Eigen::Vector3d& gravity) {
   if (!gravity.allFinite()) throw Error("world: gravity is not finite");
+  impl_->wake_all();
   impl_->settings.gravity = gravity;
 }
 void System::set_threads(int threads) {
@@ -119,6 +123,7 @@ void System::set_threads(int threads) {
   s.settings.threads = threads;
   s.team = std::make_unique<ThreadTeam>(static_cast<std::size_t>(threads));
   auto touches = s.walls.take_touches();
+  s.awake_end = s.bodies.count;
   s.renumber();
   s.walls.put_touches(std::move(touches), s.spheres, s.bounds);
 }
@@ -141,7 +146,8 @@ double System::mass(std::size_t index) const {
 }
 
 Eigen::Vector3d System::Impl::full_velocity(std::size_t b) const {
-  Eigen::Vector3d v;
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  if (bodies.asleep[b] != 0) return v;
   for (int a = 0; a < 3; ++a) {
     v[a] = bodies.v[a][b] +
            0.5 * time_step * (settings.gravity[a] + bodies.load[b].force[a] * bodies.inverse_mass[b]);
@@ -150,7 +156,8 @@ Eigen::Vector3d System::Impl::full_velocity(std::size_t b) const {
 }
 
 Eigen::Vector3d System::Impl::full_momentum(std::size_t b) const {
-  Eigen::Vector3d l;
+  Eigen::Vector3d l = Eigen::Vector3d::Zero();
+  if (bodies.asleep[b] != 0) return l;
   for (int a = 0; a < 3; ++a) l[a] = bodies.l[a][b] + 0.5 * time_step * bodies.load[b].torque[a];
   return l;
 }
@@ -205,6 +212,7 @@ void System::set_velocity(std::size_t index, const Eigen::Vector3d& velocity,
                           const Eigen::Vector3d& angular_velocity) {
   Impl& s = *impl_;
   const std::size_t b = s.index_of_rank.at(index);
+  s.wake_all();
   const Eigen::Vector3d momentum = s.momentum_of(b, angular_velocity);
   for (int a = 0; a < 3; ++a) {
     s.bodies.v[a][b] =

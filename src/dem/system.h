@@ -22,6 +22,17 @@
 
 namespace wheel_twin::dem {
 
+/// Parts of a bed at rest cost next to nothing: see system_sleep.cpp for the rule.
+struct SleepSettings {
+  bool enabled = false;
+  double speed =
+      1e-3;  ///< m/s; a particle is quiet when its centre has not moved faster, on the mean of 32 steps
+  double force =
+      0.3;  ///< a sleeper wakes when its unbalanced force passes this fraction of what presses on it
+  double time = 0.01;        ///< s that every particle of a cell must be quiet before the cell falls asleep
+  double wake_factor = 3.0;  ///< wakes at this many times the speed nearby
+};
+
 struct WorldSettings {
   Eigen::Vector3d low{0.0, 0.0, 0.0};  ///< domain, m. A particle outside a non-periodic side is an error
   Eigen::Vector3d high{1.0, 1.0, 1.0};
@@ -34,6 +45,7 @@ struct WorldSettings {
       1.0;  ///< smallest size factor to come, for the Rayleigh time; add() refuses smaller ones
   std::uint32_t particle_materials = 1;  ///< materials 0 to this minus 1 may be those of particles
   int threads = 1;
+  SleepSettings sleep;
   bool track_energy = false;            ///< keeps the energy book; slower
   double largest_start_overlap = 0.05;  ///< of the smaller radius; a deeper overlap in add() is an error
 };
@@ -92,6 +104,10 @@ struct State {
   std::vector<ContactHistory> contacts, wall_contacts;
   std::vector<Wall> walls;
   std::vector<std::uint8_t> wall_removed;
+  std::vector<std::uint8_t> asleep;  ///< per particle; empty: all awake
+  std::vector<std::uint32_t> quiet;  ///< per cell of the sleeping rule
+  std::vector<Eigen::Vector3d>
+      looked_at;  ///< per particle: where it was at the last look of the sleeping rule
 };
 
 /// Energy book, J. Kept from the start of the run when `track_energy`; kinetic and potential always.
@@ -112,7 +128,8 @@ struct Statistics {
   std::int64_t list_builds = 0;     ///< of the outer neighbour list
   std::int64_t list_refreshes = 0;  ///< of the inner list
   std::size_t candidates = 0;       ///< pairs in the inner list now
-  std::size_t contacts = 0;         ///< touching pairs of spheres at the last step
+  std::size_t contacts = 0;         ///< touching pairs of spheres at the last step, sleeping ones left out
+  std::size_t sleeping = 0;         ///< particles asleep
   std::size_t memory_bytes = 0;     ///< held for particles, lists and histories
   double seconds_contacts = 0.0, seconds_walls = 0.0, seconds_motion = 0.0, seconds_lists = 0.0;
   double bytes_per_step = 0.0;  ///< least traffic of a step: every array touched, counted once

@@ -102,6 +102,8 @@ System::Impl::Impl(const WorldSettings& settings_in, const MaterialTable& materi
   outer_cap = 0.5 * smallest_radius;
   team = std::make_unique<ThreadTeam>(static_cast<std::size_t>(settings.threads));
   prepare_laws();
+  cell_size = 4.0 * largest_reach;
+  prepare_cells();
   resize(0, 0);
 }
 
@@ -143,6 +145,7 @@ void System::Impl::resize(std::size_t body_count, std::size_t sphere_count) {
   grow(bodies.first, 0U);
   grow(bodies.shape, std::uint16_t{0});
   grow(bodies.material, std::uint16_t{0});
+  grow(bodies.asleep, std::uint8_t{0});
   grow(bodies.load, LoadRow{});
   spheres.row.resize(sphere_count + 2);
   spheres.body.resize(sphere_count + 2);
@@ -204,7 +207,9 @@ void System::Impl::check_new(const std::vector<Particle>& particles) const {
 
 void System::Impl::append(const std::vector<Particle>& particles) {
   check_new(particles);
+  wake_all();
   pending = stale ? pending : collect_histories();
+  dormant.clear();
   const std::size_t first = bodies.count;
   std::size_t next_sphere = spheres.count;
   std::size_t total = spheres.count;
@@ -240,6 +245,7 @@ void System::Impl::append(const std::vector<Particle>& particles) {
       bodies.l[a][b] = momentum[a];
     }
   }
+  awake_end = bodies.count;
   renumber();
   walls.put_touches(touches, spheres, bounds);
   stale = true;
@@ -256,14 +262,17 @@ void System::Impl::renumber() {
   }
   const std::size_t threads = team->size();
   bounds.assign(threads + 1, 0);
+  std::size_t awake_spheres = 0;
+  for (std::size_t b = 0; b < awake_end; ++b) awake_spheres += shapes.count[bodies.shape[b]];
   for (std::size_t t = 1; t < threads; ++t) {
-    const std::size_t target = spheres.count * t / threads;
+    const std::size_t target = awake_spheres * t / threads;
     std::size_t b = 0;
     std::size_t sum = 0;
-    while (b < bodies.count && sum < target) sum += shapes.count[bodies.shape[b++]];
+    while (b < awake_end && sum < target) sum += shapes.count[bodies.shape[b++]];
     bounds[t] = std::max(bounds[t - 1], b / kBatch * kBatch);
   }
-  bounds[threads] = bodies.count;
+  bounds[threads] = awake_end;
+  if (settings.sleep.enabled) bounds.push_back(bodies.count);
 }
 
 void System::Impl::check_overlaps(std::size_t first_new) {
@@ -310,7 +319,9 @@ void System::Impl::erase(const std::vector<bool>& which) {
   if (which.size() != bodies.count) {
     throw Error(fmt::format("remove: {} entries for {} particles", which.size(), bodies.count));
   }
+  wake_all();
   std::vector<ContactHistory> histories = stale ? pending : collect_histories();
+  dormant.clear();
   std::vector<WallSet::Touch> touches = walls.take_touches();
   constexpr std::uint32_t kGone = 0xffffffffU;
   std::vector<std::uint32_t> new_rank(bodies.count, kGone);
@@ -351,6 +362,7 @@ void System::Impl::erase(const std::vector<bool>& which) {
     touch.sphere = kept_sphere[touch.sphere];
     if (touch.sphere != kGone) kept.push_back(touch);
   }
+  awake_end = bodies.count;
   renumber();
   walls.put_touches(kept, spheres, bounds);
   stale = true;

@@ -1,6 +1,7 @@
 // The inside of System, shared by the files that implement it.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <memory>
 #include <unordered_map>
@@ -45,6 +46,8 @@ class LossBook {
   void record(std::uint64_t key, const float* trace, std::size_t stride, double stored, double time_step,
               std::int64_t step);
   void forget_old(std::int64_t step);
+  /// The contact sleeps: it stays in the book as it is.
+  void keep(std::uint64_t key, std::int64_t step);
   double damped = 0.0;
   double friction = 0.0;
   double wall_work = 0.0;
@@ -76,6 +79,16 @@ struct System::Impl {
   void tune();
   std::vector<ContactHistory> collect_histories() const;
   void distribute_histories(const std::vector<ContactHistory>& histories);
+
+  // system_sleep.cpp
+  void prepare_cells();
+  void check_sleep();
+  void wake_all();
+  void part_dormant(const std::vector<std::uint32_t>& place_of);
+  void freeze(const std::vector<std::uint32_t>& place_of);
+  void reset_sleepers();
+  std::size_t cell_of(std::size_t body) const;
+  bool loud_nearby(std::size_t cell) const;
 
   // system_step.cpp
   void step_once();
@@ -126,6 +139,18 @@ struct System::Impl {
   double inner_floor = 0.0, outer_floor = 0.0, outer_cap = 0.0;  ///< skins, m
   double inner_steps = 24.0;                                     ///< steps that an inner list shall last
   double outer_steps = 400.0;
+
+  // Sleep: cells of the domain, what sleeping contacts exert, and the histories of these contacts.
+  std::array<int, 3> cells{1, 1, 1};
+  double cell_size = 0.0;
+  std::vector<std::uint32_t> quiet;        ///< checks that a cell has been quiet; kAsleep: it sleeps
+  std::vector<std::uint8_t> loud;          ///< per cell, of the last check
+  std::vector<Eigen::Vector3d> looked_at;  ///< per particle number: place at the last check, m
+  std::vector<LoadRow> frozen;             ///< per particle number: loads by contacts of sleeping bodies
+  std::vector<ContactHistory> dormant;
+  std::vector<std::uint32_t> touched_sleepers;  ///< places of sleeping bodies that awake ones may touch
+  std::size_t awake_end = 0;                    ///< place of the first sleeping body
+  bool regroup = false;                         ///< some body fell asleep or woke: lists must be made anew
 
   WallSet walls;
   std::unique_ptr<ThreadTeam> team;

@@ -19,18 +19,18 @@ double way_of(const Bodies& bodies, const Spheres& spheres, std::size_t b, doubl
 void System::Impl::refresh() {
   Stopwatch watch;
   if (!stale) tune();
-  if (stale || !allot()) {
+  if (stale || regroup || !allot()) {
     build_outer();
     allot();
   }
-  lists.resize(team->size() + 1);
+  lists.resize(bounds.size());
   const std::vector<ContactHistory> histories = std::move(pending);
   pending.clear();
   team->run([&](std::size_t t) {
     build_inner(t);
     walls.find_inner(t, bodies, spheres, period, *coefficients);
   });
-  build_inner(team->size());
+  build_inner(lists.size() - 1);
   if (!histories.empty()) distribute_histories(histories);
   stale = false;
   coefficients_stale = false;
@@ -50,6 +50,9 @@ void System::Impl::build_outer() {
   for (auto& touch : touches) touch.sphere = number_of(touch.sphere);
   const double cell = 2.0 * outer_cap;  // about a sphere's radius
   permute(bodies, spheres, shapes, spatial_order(bodies, period, 3.0 * cell));
+  awake_end = static_cast<std::size_t>(
+      std::find(bodies.asleep.begin(), bodies.asleep.begin() + static_cast<std::ptrdiff_t>(bodies.count), 1) -
+      bodies.asleep.begin());
   renumber();
   place_spheres(motion_task(), 0, bodies.load.size() - kBatch);
   std::vector<std::uint32_t> place_of(spheres.count);
@@ -63,10 +66,16 @@ void System::Impl::build_outer() {
     bodies.slack[b] = 0.0F;
   }
   walls.refill(time_step, static_cast<int>(outer_steps), outer_floor);
-  find_pairs(bodies, spheres, period, bounds, outer);
+  const std::size_t sleepers = settings.sleep.enabled ? team->size() : ~std::size_t{0};
+  find_pairs(bodies, spheres, period, bounds, outer, sleepers);
   walls.find_outer(bodies, spheres, period, bounds);
   walls.put_touches(std::move(touches), spheres, bounds);
-  lists.assign(team->size() + 1, {});
+  lists.assign(bounds.size(), {});
+  if (settings.sleep.enabled) {
+    part_dormant(place_of);
+    freeze(place_of);
+  }
+  regroup = false;
   ++cost.list_builds;
 }
 
@@ -189,6 +198,7 @@ std::vector<ContactHistory> System::Impl::collect_histories() const {
       histories.push_back(h);
     }
   }
+  histories.insert(histories.end(), dormant.begin(), dormant.end());
   std::sort(histories.begin(), histories.end(), [](const ContactHistory& p, const ContactHistory& q) {
     return p.a != q.a ? p.a < q.a : p.b < q.b;
   });

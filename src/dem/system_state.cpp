@@ -32,6 +32,11 @@ State System::state() const {
         load.pressure;
     state.load.push_back(sum);
   }
+  if (s.settings.sleep.enabled) {
+    for (const auto b : s.index_of_rank) state.asleep.push_back(bodies.asleep[b]);
+    state.quiet = s.quiet;
+    state.looked_at = s.looked_at;
+  }
   state.contacts = s.stale ? s.pending : s.collect_histories();
   for (std::size_t t = 0; t < s.walls.threads(); ++t) {
     for (const auto& touch : s.walls.touches(t)) {
@@ -62,7 +67,8 @@ void System::restore(const State& state) {
   if (state.material.size() != n || state.size.size() != n || state.stiffness.size() != n ||
       state.position.size() != n || state.velocity.size() != n || state.angular_momentum.size() != n ||
       state.orientation.size() != n || state.load.size() != n ||
-      state.wall_removed.size() != state.walls.size()) {
+      state.wall_removed.size() != state.walls.size() ||
+      (!state.asleep.empty() && state.asleep.size() != n)) {
     refuse("its columns differ in length");
   }
   std::size_t sphere_count = 0;
@@ -122,6 +128,19 @@ void System::restore(const State& state) {
       for (int a = 0; a < 4; ++a) s.bodies.q[a][b] = state.orientation[b][a];
     }
   }
+  // A state of a system without sleep, or with other cells, starts awake.
+  const bool sleeps =
+      s.settings.sleep.enabled && !state.asleep.empty() && state.quiet.size() == s.quiet.size();
+  for (std::size_t b = 0; b < n; ++b) s.bodies.asleep[b] = sleeps ? state.asleep[b] : 0;
+  if (sleeps) {
+    s.quiet = state.quiet;
+    s.looked_at = state.looked_at;
+  } else {
+    std::fill(s.quiet.begin(), s.quiet.end(), 0U);
+    s.looked_at.clear();
+  }
+  s.dormant.clear();
+  s.awake_end = n;
   s.renumber();
   place_spheres(s.motion_task(), 0, s.bodies.load.size() - kBatch);
   std::vector<WallSet::Touch> touches;
@@ -206,6 +225,9 @@ std::size_t System::Impl::memory() const {
   held(bodies.first);
   held(bodies.shape);
   held(bodies.material);
+  held(bodies.asleep);
+  held(frozen);
+  held(dormant);
   held(bodies.load);
   held(spheres.row);
   held(spheres.body);
@@ -227,6 +249,7 @@ Statistics System::statistics() const {
   const Impl& s = *impl_;
   Statistics now = s.cost;
   now.contacts = s.touching;
+  now.sleeping = s.bodies.count - s.awake_end;
   now.memory_bytes = s.memory();
   // Bodies: centre, velocity, momentum, orientation read and written; properties read; load read, cleared,
   // summed.

@@ -16,16 +16,19 @@ MotionTask System::Impl::motion_task() {
   task.period = &period;
   task.time_step = time_step;
   for (int a = 0; a < 3; ++a) task.gravity[a] = settings.gravity[a];
+  task.awake_end = awake_end;
   return task;
 }
 
 void System::Impl::step_once() {
+  // Who sleeps must be known before anything moves.
+  if (settings.sleep.enabled && (regroup || stale)) refresh();
   Stopwatch watch;
   const double wall_slack = walls.advance(time_step);
   const MotionTask motion = motion_task();
   std::vector<MotionResult> moved(team->size());
-  const std::size_t padded = bodies.load.size() - kBatch;
-  if (bounds.size() != team->size() + 1) {
+  const std::size_t padded = (awake_end + kBatch - 1) / kBatch * kBatch;
+  if (bounds.size() != team->size() + (settings.sleep.enabled ? 2 : 1)) {
     stale = stale || (pending = collect_histories(), true);
     renumber();
   }
@@ -44,10 +47,12 @@ void System::Impl::step_once() {
     refresh();
     watch.lap();
   }
+  if (awake_end < bodies.count) reset_sleepers();
   evaluate();
   cost.seconds_contacts += watch.lap();
   ++cost.steps;
   if (settings.track_energy) record_losses();
+  if (settings.sleep.enabled) check_sleep();
 }
 
 void System::Impl::evaluate() {
@@ -59,7 +64,7 @@ void System::Impl::evaluate() {
   task.quanta = quanta;
   task.law = law;
   task.time_step = time_step;
-  const std::size_t parts = team->size() + 1;
+  const std::size_t parts = lists.size();
   if (settings.track_energy) {
     traces.resize(parts);
     for (std::size_t p = 0; p < parts; ++p) traces[p].resize(Trace::kColumns * lists[p].size);
@@ -90,7 +95,7 @@ void System::Impl::evaluate() {
     walls.finish(t, quanta, law.rolling);
     if (t == 0) cost.seconds_walls += watch.lap();
   });
-  results[team->size()] = pairs_of(team->size());
+  results[parts - 1] = pairs_of(parts - 1);
   walls.sum_wrenches();
   touching = 0;
   cost.candidates = 0;

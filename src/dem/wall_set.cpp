@@ -117,7 +117,7 @@ void WallSet::set_pose(std::uint32_t wall, const Pose& pose, const Motion& motio
   part.wall.pose = pose;
   part.wall.pose.orientation.normalize();
   part.wall.motion = motion;
-  part.placed = true;
+  part.placed = part.moved = true;
   place_facets(part.wall, part.facets);
 }
 
@@ -133,6 +133,7 @@ void WallSet::set_mesh(std::uint32_t wall, const Mesh& mesh) {
   }
   part.slack -= way;
   part.wall.shape = mesh;
+  part.moved = true;
   place_facets(part.wall, part.facets);
   measure(part);
 }
@@ -145,6 +146,7 @@ double WallSet::advance(double time_step) {
     if (part.placed) {
       part.placed = false;
     } else if (!motion.velocity.isZero(0.0) || !motion.angular_velocity.isZero(0.0)) {
+      part.moved = true;
       part.wall.pose.position += time_step * motion.velocity;
       const double angle = motion.angular_velocity.norm() * time_step;
       if (angle > 0.0) {
@@ -186,6 +188,19 @@ void WallSet::refill(double time_step, int steps, double least) {
 std::uint32_t WallSet::surface_of(std::uint32_t part) const {
   const std::int32_t surface = parts_[part].wall.surface;
   return surface < 0 ? part : 0x80000000U + static_cast<std::uint32_t>(surface);
+}
+
+std::vector<bool> WallSet::near_moved(const std::vector<Eigen::Vector3d>& points, double range,
+                                      const Period& period) {
+  std::vector<bool> near(points.size(), false);
+  for (auto& part : parts_) {
+    if (!part.moved || part.facets.empty()) continue;
+    part.moved = false;
+    const Bounds box(part.facets);
+    for (std::size_t k = 0; k < points.size(); ++k)
+      near[k] = near[k] || box.distance(points[k], period) < range;
+  }
+  return near;
 }
 
 void WallSet::find_outer(const Bodies& bodies, const Spheres& spheres, const Period& period,

@@ -26,6 +26,7 @@ class WallSet {
     double power = 0.0;     ///< of the wall on the particles, W
     bool removed = false;
     bool placed = false;  ///< set_pose gave the pose of the next step
+    bool moved = false;   ///< since take_moved() looked last
   };
   /// A touched face, kept from step to step.
   struct Touch {
@@ -46,6 +47,10 @@ class WallSet {
   /// Gives every wall a skin for `steps` steps, out of its reserve; false when a reserve is too small.
   bool allot(double time_step, int steps, double least);
   void refill(double time_step, int steps, double least);
+
+  /// For every point: is it nearer than `range` to a wall that moved since the last call?
+  std::vector<bool> near_moved(const std::vector<Eigen::Vector3d>& points, double range,
+                               const Period& period);
 
   /// Faces near spheres, by thread; spheres are near when nearer than radius, the body's reserve and the
   /// wall's.

@@ -1,0 +1,194 @@
+// Sleeping parts of a bed: what they cost, that they carry the same, and that they wake.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "dem_fixture.h"
+
+namespace wheel_twin::dem::test {
+namespace {
+
+constexpr int kSide = 10;
+constexpr double kSpacing = 0.0115;
+
+System box(bool sleeps, int threads = 1, bool book = false) {
+  WorldSettings settings;
+  settings.low = {0.0, 0.0, -0.01};
+  settings.high = {kSide * kSpacing, kSide * kSpacing, 0.2};
+  settings.periodic_x = settings.periodic_y = true;
+  settings.time_step = book ? 8e-6 : 1.77e-5;
+  settings.smallest_size = 0.9;
+  settings.threads = threads;
+  settings.track_energy = book;
+  settings.sleep.enabled = sleeps;
+  System system(settings, table(), {four(), lopsided()});
+  system.add_wall(floor_wall());
+  return system;
+}
+
+/// A bed that has come to rest, made without sleep, once for all tests.
+const State& settled() {
+  static const State state = [] {
+    System system = box(false);
+    system.add(cloud(kSide, kSide, 7, kSpacing, 2, 1));
+    system.step(15000);
+    for (int k = 0; k < 60; ++k) {
+      system.stop_all();
+      system.step(50);
+    }
+    system.step(30000);  // a few loose grains roll on for half a second
+    return system.state();
+  }();
+  return state;
+}
+
+double weight(const System& system) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < system.size(); ++i) sum += 9.81 * system.mass(i);
+  return sum;
+}
+
+double surface(const System& system) {
+  double top = 0.0;
+  for (const auto& s : system.spheres()) top = std::max(top, s.center.z() + s.radius);
+  return top;
+}
+
+/// A plate of 30 x 30 mm over the middle of the bed that goes down.
+std::uint32_t add_plate(System& system, double speed, double shift = 0.0) {
+  Wall plate;
+  plate.name = "plate";
+  plate.material = 1;
+  plate.shape = box_mesh({-0.015, -0.015, 0.0}, {0.015, 0.015, 0.01});
+  plate.pose.position = {0.0575 + shift, 0.0575, surface(system) + 1e-4};
+  plate.motion.velocity.z() = -speed;
+  return system.add_wall(plate);
+}
+
+TEST(Sleep, ABedAtRestCostsNextToNothingAndKeepsItsWeight) {
+  System awake = box(false);
+  System sleeping = box(true);
+  awake.restore(settled());
+  sleeping.restore(settled());
+  awake.step(4000);
+  sleeping.step(4000);
+  EXPECT_GT(sleeping.statistics().sleeping, 97 * sleeping.size() / 100);
+  EXPECT_LT(sleeping.statistics().candidates, awake.statistics().candidates / 10);
+  const auto seconds = [](System& system) {
+    const auto start = std::chrono::steady_clock::now();
+    system.step(2000);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double full = seconds(awake);
+  EXPECT_LT(seconds(sleeping), 0.2 * full);
+  EXPECT_NEAR(-sleeping.wall_wrench(0).force.z(), weight(sleeping), 1e-3 * weight(sleeping));
+  // The same places as without sleep, within a thousandth of a grain.
+  const auto a = awake.particles();
+  const auto b = sleeping.particles();
+  for (std::size_t k = 0; k < a.size(); ++k) EXPECT_LT((a[k].position - b[k].position).norm(), 6e-6);
+}
+
+TEST(Sleep, WakesAroundAPlateAndFallsAsleepAgain) {
+  System system = box(true);
+  system.restore(settled());
+  system.step(4000);
+  ASSERT_GT(system.statistics().sleeping, 9 * system.size() / 10);
+  const std::uint32_t plate = add_plate(system, 0.05);
+  system.step(1024);
+  EXPECT_LT(system.statistics().sleeping, system.size());
+  system.step(6000);
+  EXPECT_LT(system.wall_wrench(0).force.z(), -1.05 * weight(system));  // the floor feels the plate
+  EXPECT_NEAR(-system.wall_wrench(0).force.z(), weight(system) + system.wall_wrench(plate).force.z(),
+              0.1 * weight(system));
+  const std::size_t pressed = system.statistics().sleeping;
+  system.set_wall_motion(plate, {});
+  system.step(24000);
+  EXPECT_GT(system.statistics().sleeping, pressed + system.size() / 5);
+  EXPECT_NEAR(-system.wall_wrench(0).force.z(), weight(system) + system.wall_wrench(plate).force.z(),
+              0.03 * weight(system));
+}
+
+TEST(Sleep, APlateFeelsTheSameWithAndWithout) {
+  // Five places of the plate; the difference of the means stays below what the scatter over the places allows
+  // (Student, 95 %, 8 degrees of freedom: 2.31).
+  constexpr int kPlaces = 5;
+  double mean[2] = {};
+  double variance[2] = {};
+  for (const bool sleeps : {false, true}) {
+    std::vector<double> forces;
+    for (int place = 0; place < kPlaces; ++place) {
+      System system = box(sleeps);
+      system.restore(settled());
+      system.step(2048);
+      const std::uint32_t plate = add_plate(system, 0.05, 0.023 * place);
+      system.step(3000);
+      double sum = 0.0;
+      for (int k = 0; k < 100; ++k) {
+        system.step(10);
+        sum += system.wall_wrench(plate).force.z() / 100.0;
+      }
+      forces.push_back(sum);
+    }
+    for (const double f : forces) mean[sleeps ? 1 : 0] += f / kPlaces;
+    for (const double f : forces)
+      variance[sleeps ? 1 : 0] += std::pow(f - mean[sleeps ? 1 : 0], 2) / (kPlaces - 1);
+  }
+  EXPECT_GT(mean[0], 1.0);  // N
+  EXPECT_NEAR(mean[1], mean[0], 2.31 * std::sqrt((variance[0] + variance[1]) / kPlaces))
+      << "scatter " << std::sqrt(variance[0]) << " and " << std::sqrt(variance[1]);
+}
+
+TEST(Sleep, SameBitsForAnyNumberOfThreadsAndAfterARestart) {
+  std::vector<State> ends;
+  for (const int threads : {1, 2, 0}) {
+    System system = box(true, std::max(threads, 1));
+    system.restore(settled());
+    system.step(1536);
+    add_plate(system, 0.05);
+    system.step(700);
+    if (threads == 0) {
+      const State state = system.state();
+      EXPECT_GT(system.statistics().sleeping, 0U);
+      System again = box(true, 2);
+      again.restore(state);
+      again.step(500);
+      ends.push_back(again.state());
+    } else {
+      system.step(500);
+      ends.push_back(system.state());
+    }
+  }
+  for (std::size_t other : {1U, 2U}) {
+    EXPECT_EQ(ends[0].asleep, ends[other].asleep);
+    EXPECT_EQ(ends[0].quiet, ends[other].quiet);
+    for (std::size_t k = 0; k < ends[0].position.size(); ++k) {
+      ASSERT_EQ(ends[0].position[k], ends[other].position[k]) << "particle " << k;
+      ASSERT_EQ(ends[0].velocity[k], ends[other].velocity[k]) << "particle " << k;
+      ASSERT_EQ(ends[0].load[k], ends[other].load[k]) << "particle " << k;
+    }
+    ASSERT_EQ(ends[0].contacts.size(), ends[other].contacts.size());
+  }
+}
+
+TEST(Sleep, TheEnergyBookStaysClosed) {
+  System system = box(true, 1, true);
+  system.restore(settled());
+  const auto total = [&] {
+    const EnergyBook book = system.energy();
+    return book.kinetic + book.potential + book.elastic + book.damped + book.friction - book.wall_work;
+  };
+  system.step(1);
+  const double before = total();
+  system.step(6000);
+  EXPECT_GT(system.statistics().sleeping, 0U);
+  add_plate(system, 0.1);
+  const double start = system.energy().wall_work;
+  system.step(8000);
+  const double work = system.energy().wall_work - start;
+  EXPECT_GT(work, 1e-4);
+  EXPECT_NEAR(total(), before, 0.02 * work);
+}
+
+}  // namespace
+}  // namespace wheel_twin::dem::test
