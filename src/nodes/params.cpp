@@ -35,7 +35,7 @@ std::optional<double> whole_number(const std::string& text) {
 
 }  // namespace
 
-Params::Params(XmlRpcValue values, std::string name) : values_(std::move(values)), name_(std::move(name)) {}
+Params::Params(const XmlRpcValue& values, std::string name) : values_(values), name_(std::move(name)) {}
 
 void Params::fail(const std::string& key, const std::string& message) const {
   throw Error(fmt::format("parameter {}/{}: {}", name_, key, message));

@@ -22,7 +22,7 @@ class Params {
  public:
   /// `values`: the struct of the private namespace, or an invalid value where nothing is set. `name` is the
   /// namespace, for messages.
-  Params(XmlRpc::XmlRpcValue values, std::string name);
+  Params(const XmlRpc::XmlRpcValue& values, std::string name);
 
   /// All throw Error naming the parameter when it is there and wrong.
   double number(const std::string& key, double fallback, yaml::Range range = {});

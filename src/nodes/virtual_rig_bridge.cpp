@@ -63,7 +63,7 @@ Settings read_settings(const ros::NodeHandle& node) {
 
 class VirtualRigBridge::Impl {
  public:
-  Impl(ros::NodeHandle node, const ros::NodeHandle& private_node)
+  Impl(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       : settings_(read_settings(private_node)),
         node_(node),
         pacer_(settings_.real_time_factor),

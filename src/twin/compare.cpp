@@ -59,6 +59,7 @@ std::optional<rig::MountFit> mount_of_references(const logs::Experiment& experim
     if (run.role == logs::Role::reference && run.bag && is_straight(run))
       read.push_back(logs::read_run_log(experiment.path_of(*run.bag)));
   std::vector<const run_log::RunLog*> references;
+  references.reserve(read.size());
   for (const run_log::RunLog& log : read) references.push_back(&log);
   constexpr std::size_t least_averages = 20;
   rig::MountFit fit = rig::fit_mount(references, prior);
