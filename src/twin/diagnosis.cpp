@@ -5,15 +5,16 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <set>
-#include <thread>
 
 #include "base/error.h"
 #include "base/progress.h"
 #include "effects/catalogue.h"
+#include "twin/parallel.h"
+#include "twin/steady_diagnosis.h"
+#include "twin/steady_runs.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -30,17 +31,6 @@ double bin_for(const logs::Experiment& experiment) {
   const double rate = std::min(experiment.ft ? experiment.ft->rate : 100.0,
                                experiment.draw_wire ? experiment.draw_wire->rate : 100.0);
   return std::max(0.1, 5.0 / std::max(1.0, rate));
-}
-
-void in_parallel(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  const auto loop = [&] {
-    for (std::size_t i = next++; i < count; i = next++) work(i);
-  };
-  std::vector<std::thread> pool;
-  for (int t = 1; t < threads; ++t) pool.emplace_back(loop);
-  loop();
-  for (std::thread& t : pool) t.join();
 }
 
 /// Deviation of a channel that a perfect twin would still show: fluctuation and what differs between runs.
@@ -264,6 +254,10 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   if (longest / most_bins > grid_options.bin) {
     grid_options.bin = longest / most_bins;
     d.grids = read_runs(experiment, grid_options);
+  }
+  if (known_by_means(d.grids)) {
+    diagnose_by_means(experiment, options, d);
+    return d;
   }
   std::vector<const RunGrid*> references, measured, held_out;
   for (const RunGrid& grid : d.grids) {

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "logs/experiment.h"
 #include "twin/candidates.h"
 #include "twin/certify.h"
+#include "twin/channel_error.h"
+#include "twin/steady_report.h"
 
 namespace wheel_twin::twin {
 
@@ -16,14 +19,6 @@ struct DiagnosisOptions {
   double false_alarm_rate = 0.05;  ///< over the whole catalogue
   int threads = 2;
 };
-
-/// RMSE over time of a channel, measured against twin, on the common grid. SI.
-struct ChannelError {
-  double before = 0.0;
-  double after = 0.0;
-  double noise_floor = 0.0;  ///< what a perfect twin would still show
-};
-using Errors = std::map<Channel, ChannelError>;
 
 struct Ranked {
   Candidate candidate;
@@ -45,7 +40,9 @@ struct Diagnosis {
   std::vector<std::string> held_out;
   std::vector<std::string> warnings;
   std::string evidence;
-  std::vector<RunGrid> grids;  ///< of every run, for plots
+  std::map<std::string, double> effect_probability;  ///< where it is not that of the leading candidate
+  std::vector<RunGrid> grids;                        ///< of every run, for plots
+  std::optional<SteadyReport> steady;                ///< runs known by window means only
 };
 
 /// Throws Error when the experiment cannot be diagnosed at all (no measured run, nothing measured in them).

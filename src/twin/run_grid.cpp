@@ -94,19 +94,30 @@ void set_slip(RunGrid& grid, double radius) {
 void take_averages(RunGrid& grid) {
   if (!grid.declared.averages) return;
   const logs::Averages& a = *grid.declared.averages;
-  const auto take = [&](Channel channel, const std::optional<logs::Average>& average) {
-    if (average && !grid.has(channel))
+  for (const Channel channel : all_channels)
+    if (const auto& average = window_average(a, channel); average && !grid.has(channel))
       grid.windows.push_back({channel, a.window_start, a.window_end, average->mean});
-  };
-  take(Channel::drawbar_pull, a.drawbar_pull);
-  take(Channel::side_force, a.side_force);
-  take(Channel::normal_load, a.normal_load);
-  take(Channel::hub_displacement, a.hub_displacement);
-  take(Channel::pitch_torque, a.pitch_torque);
-  take(Channel::motor_effort, a.motor_effort);
 }
 
 }  // namespace
+
+const std::optional<logs::Average>& window_average(const logs::Averages& averages, Channel channel) {
+  switch (channel) {
+    case Channel::drawbar_pull:
+      return averages.drawbar_pull;
+    case Channel::side_force:
+      return averages.side_force;
+    case Channel::normal_load:
+      return averages.normal_load;
+    case Channel::hub_displacement:
+      return averages.hub_displacement;
+    case Channel::pitch_torque:
+      return averages.pitch_torque;
+    case Channel::motor_effort:
+      break;
+  }
+  return averages.motor_effort;
+}
 
 bool RunGrid::has(Channel channel) const {
   return (measured.row(index_of(channel)).array() == measured.row(index_of(channel)).array()).any();

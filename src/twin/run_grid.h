@@ -27,6 +27,9 @@ struct WindowMean {
   double mean = 0.0;
 };
 
+/// The average of a channel among those of a window.
+const std::optional<logs::Average>& window_average(const logs::Averages& averages, Channel channel);
+
 struct RunGrid {
   std::string name;  ///< the bag's file name, or `run_<index>` without one
   logs::Run declared;

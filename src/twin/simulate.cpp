@@ -69,14 +69,19 @@ std::optional<double> resting_displacement(const RunGrid& grid) {
 
 }  // namespace
 
+Acting acting_effects(const TwinConfig& model) {
+  Acting acting;
+  for (const EffectSetting& setting : model.effects) {
+    acting.effects.push_back(effects::make_effect(effects::find_effect(setting.name), setting.values));
+    acting.effects.back()->attach(acting.ports);
+  }
+  return acting;
+}
+
 Predicted simulate(const TwinConfig& model, const RunGrid& grid,
                    const std::optional<Unevenness>& unevenness) {
-  std::vector<std::unique_ptr<effects::Effect>> effects;
-  rig::Ports ports;
-  for (const EffectSetting& setting : model.effects) {
-    effects.push_back(effects::make_effect(effects::find_effect(setting.name), setting.values));
-    effects.back()->attach(ports);
-  }
+  Acting acting = acting_effects(model);
+  rig::Ports& ports = acting.ports;
   std::optional<UnevenSoil> uneven;
   if (unevenness) {
     uneven.emplace(*unevenness, grid, model.wheel.radius);

@@ -5,9 +5,12 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "effects/effect.h"
+#include "rig/ports.h"
 #include "twin/run_grid.h"
 #include "twin/twin_config.h"
 
@@ -20,6 +23,13 @@ struct Unevenness {
   double correlation_length = 0.01;  ///< m of travel
   std::uint64_t seed = 1;
 };
+
+/// The effects of a twin at the ports of a rig, as long as this lives.
+struct Acting {
+  std::vector<std::unique_ptr<effects::Effect>> effects;
+  rig::Ports ports;
+};
+Acting acting_effects(const TwinConfig& model);
 
 using Predicted = Eigen::Matrix<double, channel_rows, Eigen::Dynamic>;
 
