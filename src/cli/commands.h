@@ -13,6 +13,7 @@ void add_calibrate(CLI::App& app);
 void add_import(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_survey(CLI::App& app);
 void add_diagnose(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_steady(CLI::App& app);

@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
   wheel_twin::cli::add_import(app);
   wheel_twin::cli::add_check(app);
   wheel_twin::cli::add_compare(app);
+  wheel_twin::cli::add_survey(app);
   wheel_twin::cli::add_diagnose(app);
   wheel_twin::cli::add_evaluate(app);
   wheel_twin::cli::add_steady(app);

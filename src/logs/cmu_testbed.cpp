@@ -330,6 +330,14 @@ ImportSummary import(const std::string& directory, const std::string& out) {
   for (const char* wheel : {"smooth", "grouser"})
     if (std::any_of(runs.begin(), runs.end(), [&](const ImportedRun& run) { return run.row.wheel == wheel; }))
       write_one(wheel, runs, pressings, ft, out, summary);
+  std::string notes;
+  for (const std::string& remark : summary.remarks) notes += remark + "\n";
+  for (const auto& experiment : summary.experiments) {
+    write_file(path_of(experiment.directory, "import_notes.txt"), notes);
+    if (fs::is_regular_file(path_of(out, "zeros.csv")))
+      fs::copy_file(path_of(out, "zeros.csv"), path_of(experiment.directory, "zeros.csv"),
+                    fs::copy_options::overwrite_existing);
+  }
   if (fs::is_regular_file(path_of(directory, "LICENSE")))
     for (const auto& experiment : summary.experiments)
       fs::copy_file(path_of(directory, "LICENSE"), path_of(experiment.directory, "LICENSE"),

@@ -113,7 +113,7 @@ ExperimentComparison compare_experiment(const logs::Experiment& experiment, cons
     if (comparison.mount_fit) comparison.rig.mount = comparison.mount_fit->mount;
   }
   comparison.rig.steering_limit = 1.5;  // of the contact; the rig that was driven had its own
-  TwinModel model;
+  TwinConfig model;
   model.wheel = experiment.wheel;
   model.soil = comparison.soil;
   model.rig = comparison.rig;

@@ -248,13 +248,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   d.experiment = experiment.name;
   GridOptions grid_options;
   grid_options.bin = bin_for(experiment);
+  grid_options.most_bins = most_bins;
   d.grids = read_runs(experiment, grid_options);
-  double longest = 0.0;
-  for (const RunGrid& grid : d.grids) longest = std::max(longest, grid.bins() * grid.bin);
-  if (longest / most_bins > grid_options.bin) {
-    grid_options.bin = longest / most_bins;
-    d.grids = read_runs(experiment, grid_options);
-  }
+  if (!d.grids.empty()) grid_options.bin = d.grids.front().bin;
   if (known_by_means(d.grids)) {
     diagnose_by_means(experiment, options, d);
     return d;

@@ -18,6 +18,9 @@ namespace wheel_twin::twin {
 struct DiagnosisOptions {
   double false_alarm_rate = 0.05;  ///< over the whole catalogue
   int threads = 2;
+  /// Runs known by means: choose the effects anew without each group left out. Costs as many diagnoses as
+  /// there are groups; false: only their parameters are fitted anew.
+  bool choose_without_group = true;
 };
 
 struct Ranked {

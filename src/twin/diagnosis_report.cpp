@@ -11,6 +11,7 @@
 #include "base/plot.h"
 #include "effects/catalogue.h"
 #include "twin/page.h"
+#include "twin/steady_page.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -33,7 +34,7 @@ Json errors_json(const Errors& errors) {
   return json;
 }
 
-Json effects_json(const Ranked& ranked) {
+Json effects_json(const Ranked& ranked, const std::map<std::string, double>& probabilities) {
   Json list = Json::array();
   const Candidate& c = ranked.candidate;
   for (std::size_t k = 0; k < c.effects.size(); ++k) {
@@ -43,7 +44,10 @@ Json effects_json(const Ranked& ranked) {
       parameters[type.parameters[i].name] = {{"value", number(c.values[k][i])},
                                              {"stderr", number(c.errors[k][i])},
                                              {"unit", type.parameters[i].unit}};
-    list.push_back({{"name", type.name}, {"probability", ranked.probability}, {"parameters", parameters}});
+    const auto own = probabilities.find(type.name);
+    list.push_back({{"name", type.name},
+                    {"probability", own == probabilities.end() ? ranked.probability : own->second},
+                    {"parameters", parameters}});
   }
   return list;
 }
@@ -157,7 +161,8 @@ std::string diagnosis_json(const Diagnosis& d) {
   json["schema"] = 1;
   json["experiment"] = d.experiment;
   json["verdict"] = d.verdict;
-  json["effects"] = d.verdict == "effect_found" ? effects_json(d.candidates.front()) : Json::array();
+  json["effects"] =
+      d.verdict == "effect_found" ? effects_json(d.candidates.front(), d.effect_probability) : Json::array();
   json["candidates"] = Json::array();
   for (std::size_t i = 0; i < std::min(shown_candidates, d.candidates.size()); ++i) {
     const Ranked& r = d.candidates[i];
@@ -177,6 +182,7 @@ std::string diagnosis_json(const Diagnosis& d) {
                                             {"size", number(f.size)},
                                             {"standard_errors", number(f.z)}});
   }
+  if (d.steady) json.update(steady_json(*d.steady));
   json["warnings"] = d.warnings;
   json["evidence"] = d.evidence;
   return json.dump(1) + "\n";
@@ -193,6 +199,11 @@ std::string diagnosis_page(const Diagnosis& d) {
                        fmt::format("{:.1f}", r.candidate.score), parameters_of(r.candidate)});
   }
   html += "<h2>Explanations</h2>" + page::table({"Explanation", "Probability", "Score", "Parameters"}, rows);
+  if (d.steady) {
+    html += steady_html(*d.steady);
+    html += page::note("Twin file: revised_twin.yaml. Everything on this page: diagnosis.json.");
+    return page::document("Diagnosis of " + d.experiment, html);
+  }
   html += "<h2>Errors of the twin, before and after</h2>";
   html += page::paragraph(
       "Root mean square over time, after the low-pass that measured and twin share. The noise floor is what "
@@ -235,6 +246,7 @@ void write_diagnosis(const Diagnosis& d, const std::string& directory) {
       csv += fmt::format("{},{},{},{},{},{}\n", scope, name_of(channel), unit_of(channel), e.before, e.after,
                          e.noise_floor);
   write_file(in("errors.csv"), csv);
+  if (d.steady) write_file(in("runs.csv"), steady_csv(*d.steady));
   write_file(in("index.html"), diagnosis_page(d));
 }
 

@@ -5,10 +5,14 @@
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "base/error.h"
-#include "twin/fluctuation.h"
-#include "twin/run_grid.h"
+#include "base/progress.h"
+#include "logs/bag_reader.h"
+#include "twin/compare.h"
+#include "twin/metrics.h"
+#include "twin/run_comparison.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -18,69 +22,76 @@ using Json = nlohmann::ordered_json;
 struct Sum {
   double squares = 0.0;
   std::size_t runs = 0;
-};
 
-struct RunChannel {
-  double measured = 0.0, twin = 0.0, error = 0.0;
+  void add(double error) {
+    squares += error * error;
+    ++runs;
+  }
 };
+using Sums = std::map<Channel, Sum>;
 
-/// Means and error of every channel that the run has.
-std::map<Channel, RunChannel> channels_of(const RunGrid& grid, const Predicted& predicted) {
-  std::map<Channel, RunChannel> result;
-  for (const Channel channel : all_channels) {
-    const auto c = static_cast<Eigen::Index>(index_of(channel));
-    RunChannel sum;
-    int count = 0;
-    for (int i = 0; i < grid.bins(); ++i) {
-      if (!grid.moving[static_cast<std::size_t>(i)] || !std::isfinite(grid.measured(c, i))) continue;
-      sum.measured += grid.measured(c, i);
-      sum.twin += predicted(c, i);
-      sum.error += std::pow(grid.measured(c, i) - predicted(c, i), 2);
-      ++count;
-    }
-    if (count > 0) result[channel] = {sum.measured / count, sum.twin / count, std::sqrt(sum.error / count)};
-  }
-  for (const WindowMean& window : grid.windows) {
-    const double twin = window_mean(predicted, grid, window);
-    if (std::isfinite(twin)) result[window.channel] = {window.mean, twin, std::abs(window.mean - twin)};
-  }
-  return result;
+Json json_of(const Sums& sums) {
+  Json json = Json::object();
+  for (const auto& [channel, sum] : sums)
+    json[std::string(name_of(channel))] = {{"unit", unit_of(channel)},
+                                           {"rmse", std::sqrt(sum.squares / static_cast<double>(sum.runs))},
+                                           {"runs", sum.runs}};
+  return json;
 }
 
 }  // namespace
 
 std::string evaluate(const TwinConfig& twin, const logs::Experiment& experiment) {
-  std::map<Channel, Sum> sums;
+  constexpr double step = 0.1;  // of the twin, s: errors are of slow courses and of means
+  TwinConfig model = twin;
+  model.rig.steering_limit = 1.5;  // of the contact; the rig that was driven had its own
+  Sums all, straight, driving;
   Json runs = Json::array();
   std::string first_failure;
-  for (const RunGrid& grid : read_runs(experiment)) {
-    Json entry = {{"run", grid.name},
-                  {"slip", grid.declared.slip},
-                  {"load", grid.declared.load},
-                  {"steering_angle", grid.declared.steering_angle}};
-    if (!grid.declared.group.empty()) entry["group"] = grid.declared.group;
-    try {
-      for (const auto& [channel, value] : channels_of(grid, slow_course(twin, grid))) {
-        entry[std::string(name_of(channel))] = {{"measured", value.measured}, {"twin", value.twin}};
-        sums[channel].squares += value.error * value.error;
-        ++sums[channel].runs;
-      }
-    } catch (const Error& error) {
-      entry["failure"] = error.what();
-      if (first_failure.empty()) first_failure = fmt::format("{}: {}", grid.name, error.what());
+  Progress progress("evaluating", static_cast<double>(experiment.runs.size()));
+  for (std::size_t i = 0; i < experiment.runs.size(); ++i) {
+    const logs::Run& run = experiment.runs[i];
+    std::optional<run_log::RunLog> log;
+    if (run.bag) log = logs::read_run_log(experiment.path_of(*run.bag));
+    ComparisonOptions options;
+    options.step = step;
+    const RunComparison compared =
+        compare_run(model, run, name_of_run(experiment, i), log ? &*log : nullptr, options);
+    Json entry = {{"run", compared.name},
+                  {"role", logs::to_string(run.role)},
+                  {"slip", run.slip},
+                  {"load", compared.load},
+                  {"steering_angle", run.steering_angle}};
+    if (!run.group.empty()) entry["group"] = run.group;
+    bool any = false;
+    for (const Channel channel : all_channels) {
+      const auto& value = compared.at(channel);
+      if (!value || !std::isfinite(value->error)) continue;
+      entry[std::string(name_of(channel))] = {
+          {"measured", value->mean.measured}, {"twin", value->mean.twin}, {"error", value->error}};
+      all[channel].add(value->error);
+      if (is_straight(run)) straight[channel].add(value->error);
+      if (is_straight(run) && is_driving(run)) driving[channel].add(value->error);
+      any = true;
+    }
+    if (!any) {
+      entry["failure"] =
+          compared.failure.empty() ? "nothing measured that a twin foretells" : compared.failure;
+      if (first_failure.empty())
+        first_failure = fmt::format("{}: {}", compared.name, entry["failure"].get<std::string>());
     }
     runs.push_back(entry);
+    progress.update(static_cast<double>(i + 1));
   }
-  if (sums.empty())
+  if (all.empty())
     throw Error(fmt::format("{}: no run can be evaluated; {}", experiment.name, first_failure));
-  Json json = {
-      {"schema", 1}, {"experiment", experiment.name}, {"twin", twin.name}, {"error", Json::object()}};
-  for (const auto& [channel, sum] : sums)
-    json["error"][std::string(name_of(channel))] = {
-        {"unit", unit_of(channel)},
-        {"rmse", std::sqrt(sum.squares / static_cast<double>(sum.runs))},
-        {"runs", sum.runs}};
-  json["runs"] = runs;
+  const Json json = {{"schema", 1},
+                     {"experiment", experiment.name},
+                     {"twin", twin.name},
+                     {"error", json_of(all)},
+                     {"error_straight", json_of(straight)},
+                     {"error_straight_driving", json_of(driving)},
+                     {"runs", runs}};
   return json.dump(1) + "\n";
 }
 

@@ -28,12 +28,6 @@ bool is_friction(const EffectSetting& setting) {
                      [](const rig::RigPort* port) { return port->coulomb_friction({}) > 0.0; });
 }
 
-TwinConfig without_friction(TwinConfig model) {
-  model.effects.erase(std::remove_if(model.effects.begin(), model.effects.end(), is_friction),
-                      model.effects.end());
-  return model;
-}
-
 /// While moving, of the bins from `begin` up to `end`.
 LogDeviation log_deviation_between(const RunGrid& grid, const Predicted& rows, int begin, int end) {
   LogDeviation result;
@@ -133,6 +127,12 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
 
 bool sticks(const TwinConfig& model) {
   return std::any_of(model.effects.begin(), model.effects.end(), is_friction);
+}
+
+TwinConfig without_friction(TwinConfig model) {
+  model.effects.erase(std::remove_if(model.effects.begin(), model.effects.end(), is_friction),
+                      model.effects.end());
+  return model;
 }
 
 Predicted slow_course(const TwinConfig& model, const RunGrid& grid) {

@@ -39,6 +39,9 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
 /// Whether something holds the slide by friction.
 bool sticks(const TwinConfig& model);
 
+/// A twin less the effects that rub in the guide.
+TwinConfig without_friction(TwinConfig model);
+
 /// The course that a twin foretells: on a real bed unevenness works a slide with friction loose, so that its
 /// slow course is that of a slide without.
 Predicted slow_course(const TwinConfig& model, const RunGrid& grid);

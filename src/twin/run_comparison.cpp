@@ -8,30 +8,13 @@
 #include "base/error.h"
 #include "rig/replay.h"
 #include "rig/semi_empirical_contact.h"
-#include "rig/speeds.h"
+#include "twin/fluctuation.h"
+#include "twin/run_grid.h"
+#include "twin/simulate.h"
+#include "twin/steady_runs.h"
 
 namespace wheel_twin::twin {
 namespace {
-
-constexpr double moving = 1e-3;  // a rig whose rim and carriage are slower stands, m/s
-
-const std::optional<logs::Average>& average_of(const logs::Averages& averages, Channel channel) {
-  switch (channel) {
-    case Channel::drawbar_pull:
-      return averages.drawbar_pull;
-    case Channel::side_force:
-      return averages.side_force;
-    case Channel::normal_load:
-      return averages.normal_load;
-    case Channel::hub_displacement:
-      return averages.hub_displacement;
-    case Channel::pitch_torque:
-      return averages.pitch_torque;
-    case Channel::motor_effort:
-      break;
-  }
-  return averages.motor_effort;
-}
 
 // Means over a window that is centred on each sample and shorter at the ends.
 std::vector<double> low_passed(const std::vector<double>& time, const std::vector<double>& value,
@@ -53,19 +36,20 @@ struct Interval {
   bool has(double time) const { return time >= start && time <= end; }
 };
 
-Interval moving_part(const run_log::JointSeries& joints, double radius) {
-  Interval interval;
-  bool found = false;
-  for (std::size_t i = 0; i < joints.time.size(); ++i) {
-    const double speed =
-        std::max(std::abs(joints.carriage_velocity[i]), std::abs(radius * joints.wheel_rate[i]));
-    if (speed < moving) continue;
-    if (!found) interval.start = joints.time[i];
-    interval.end = joints.time[i];
-    found = true;
+/// When the rig moved steadily, from the wheel's touch of the soil.
+class Steady {
+ public:
+  Steady(const RunGrid& grid, double start, double touch) : grid_(grid), start_(start), touch_(touch) {}
+  bool has(double time) const {
+    if (time < touch_) return false;
+    const auto bin = static_cast<std::ptrdiff_t>(std::floor((time - start_) / grid_.bin));
+    return bin >= 0 && bin < grid_.bins() && grid_.moving[static_cast<std::size_t>(bin)];
   }
-  return interval;
-}
+
+ private:
+  const RunGrid& grid_;
+  double start_, touch_;
+};
 
 // When the wheel was last above the soil: before, it hung, and the twin, which stands on the soil, says
 // nothing about it.
@@ -102,7 +86,8 @@ struct Series {
   std::vector<double> value;
 };
 
-double mean_over(const Series& series, const Interval& interval) {
+template <typename Times>
+double mean_over(const Series& series, const Times& interval) {
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < series.time.size(); ++i)
     if (interval.has(series.time[i])) sum += series.value[i], count += 1.0;
@@ -172,11 +157,35 @@ rig::RunConditions conditions_of(const RunComparison& comparison) {
   conditions.slip = comparison.run.slip;
   conditions.load = comparison.load;
   conditions.wheel_speed = comparison.run.wheel_speed;
-  conditions.steering_angle = comparison.run.steering_angle;
+  conditions.steering_angle = leading_steering(comparison.run);
   return conditions;
 }
 
-void compare_log(const TwinModel& model, const run_log::RunLog& log, const ComparisonOptions& options,
+rig::Prediction predict(const TwinConfig& model, const rig::RunConditions& conditions,
+                        const rig::MotionSeries& motion, const rig::SampleTimes& times,
+                        const ComparisonOptions& options) {
+  const Acting acting = acting_effects(model);
+  rig::SemiEmpiricalOptions contact_options;
+  contact_options.start_up = model.start_up;
+  rig::SemiEmpiricalContact contact(model.wheel, model.soil, acting.ports, contact_options);
+  rig::ReplayOptions replay;
+  replay.step = options.step;
+  return rig::predict(model.rig, conditions, model.wheel.radius, contact, acting.ports, motion, times,
+                      replay);
+}
+
+/// The empirical corrections of a twin, while the rig moves steadily.
+void correct(const TwinConfig& model, const rig::RunConditions& conditions, Channel channel,
+             const Steady& in_motion, Series& series) {
+  for (const Correction& correction : model.corrections) {
+    if (correction.channel != channel) continue;
+    const double value = correction.at(conditions.slip, conditions.load);
+    for (std::size_t i = 0; i < series.time.size(); ++i)
+      if (in_motion.has(series.time[i])) series.value[i] += value;
+  }
+}
+
+void compare_log(const TwinConfig& model, const run_log::RunLog& log, const ComparisonOptions& options,
                  RunComparison& comparison) {
   const rig::RunConditions conditions = conditions_of(comparison);
   const rig::MotionSeries motion = rig::motion_of_log(log, conditions);
@@ -195,20 +204,17 @@ void compare_log(const TwinModel& model, const run_log::RunLog& log, const Compa
     times.displacement = merged(times.displacement, extra);
     if (averages->motor_effort) times.effort = merged(times.effort, extra);
   }
-  rig::SemiEmpiricalContact contact(model.wheel, model.soil, model.ports);
-  rig::ReplayOptions replay;
-  replay.step = options.step;
-  const rig::Prediction prediction =
-      rig::predict(model.rig, conditions, model.wheel.radius, contact, model.ports, motion, times, replay);
+  const rig::Prediction prediction = predict(model, conditions, motion, times, options);
   const double touch = touch_time(log.draw_wire);
-  Interval in_motion = moving_part(log.joints, model.wheel.radius);
-  in_motion.start = std::max(in_motion.start, touch);
+  const RunGrid grid = grid_of(comparison.run, comparison.name, log, model.wheel.radius);
+  const Steady in_motion(grid, first_stamp(log), touch);
   for (const Channel channel : all_channels) {
     if (channel == Channel::normal_load && comparison.measured_load) continue;
-    const Series twin = twin_series(channel, prediction, times);
+    Series twin = twin_series(channel, prediction, times);
+    correct(model, conditions, channel, in_motion, twin);
     Series measured = measured_series(channel, log);
     const logs::Average* average = nullptr;
-    if (averages && average_of(*averages, channel)) average = &*average_of(*averages, channel);
+    if (averages && window_average(*averages, channel)) average = &*window_average(*averages, channel);
     if (twin.time.empty() || (measured.time.empty() && average == nullptr)) continue;
     ChannelComparison result;
     if (!measured.time.empty()) result.series = paired(measured, twin);
@@ -235,60 +241,36 @@ void compare_log(const TwinModel& model, const run_log::RunLog& log, const Compa
   }
 }
 
-// Averages alone: the steady state at the declared slip.
-void compare_averages(const TwinModel& model, RunComparison& comparison) {
-  const rig::RunConditions conditions = conditions_of(comparison);
-  const rig::Speeds speeds = rig::speeds_of_slip(conditions.slip, conditions.wheel_speed, model.wheel.radius);
-  const logs::Averages& averages = *comparison.run.averages;
-  // The wheel rolls in at constant speed for as long as in the run: effects that need time or travel have
-  // theirs.
-  rig::MotionSeries motion;
-  constexpr double spacing = 0.05;
-  const auto steps = static_cast<int>(std::ceil(averages.window_end / spacing));
-  for (int i = 0; i <= steps; ++i) {
-    rig::MeasuredMotion at;
-    at.time = spacing * i;
-    at.carriage_velocity = speeds.carriage;
-    at.wheel_rate = speeds.wheel;
-    at.carriage_position = speeds.carriage * at.time;
-    at.wheel_angle = speeds.wheel * at.time;
-    at.load = conditions.load;
-    at.steering_angle = conditions.steering_angle;
-    motion.push_back(at);
-  }
-  const Interval window{averages.window_start, averages.window_end};
-  const std::vector<double> grid = window_times(window);
-  const rig::SampleTimes times{grid, grid, grid};
-  rig::SemiEmpiricalContact contact(model.wheel, model.soil, model.ports);
-  rig::ReplayOptions replay;
-  replay.step = spacing;
-  const rig::Prediction prediction =
-      rig::predict(model.rig, conditions, model.wheel.radius, contact, model.ports, motion, times, replay);
-  for (const Channel channel : all_channels) {
-    const auto& average = average_of(averages, channel);
-    if (!average || (channel == Channel::normal_load && comparison.measured_load)) continue;
+/// Averages alone: the steady state at the declared slip.
+void compare_averages(const TwinConfig& model, RunComparison& comparison) {
+  const SteadyRun run = steady_run(comparison.run, comparison.name, model.wheel.radius);
+  const std::vector<double> means = predict_means(model, run);
+  for (std::size_t w = 0; w < means.size(); ++w) {
+    const WindowMean& window = run.grid.windows[w];
+    if (window.channel == Channel::normal_load && comparison.measured_load) continue;
     ChannelComparison result;
-    result.mean = {average->mean, mean_over(twin_series(channel, prediction, times), window)};
+    result.mean = {window.mean, means[w]};
     result.error = std::abs(result.mean.twin - result.mean.measured);
     result.from_average = true;
-    comparison.channels[index_of(channel)] = std::move(result);
+    comparison.channels[index_of(window.channel)] = std::move(result);
   }
 }
 
 }  // namespace
 
-RunComparison compare_run(const TwinModel& model, const logs::Run& run, const std::string& name,
+RunComparison compare_run(const TwinConfig& model, const logs::Run& run, const std::string& name,
                           const run_log::RunLog* log, const ComparisonOptions& options) {
   RunComparison comparison;
   comparison.name = name;
   comparison.run = run;
   comparison.measured_load = run.averages && run.averages->normal_load;
-  comparison.load = comparison.measured_load ? run.averages->normal_load->mean : run.load;
+  comparison.load = leading_load(run);
+  const TwinConfig loose = without_friction(model);
   try {
     if (log != nullptr && !log->joints.time.empty())
-      compare_log(model, *log, options, comparison);
+      compare_log(loose, *log, options, comparison);
     else if (run.averages)
-      compare_averages(model, comparison);
+      compare_averages(loose, comparison);
     else
       comparison.failure =
           "the bag has no joint states, so no motion to lead the twin, and there are no averages";

@@ -9,22 +9,11 @@
 #include <vector>
 
 #include "logs/experiment.h"
-#include "rig/ports.h"
-#include "rig/settings.h"
 #include "run_log/run_log.h"
-#include "terramechanics/soil.h"
-#include "terramechanics/wheel.h"
 #include "twin/channel.h"
+#include "twin/twin_config.h"
 
 namespace wheel_twin::twin {
-
-/// The twin: what it takes wheel, soil and rig for, and what acts on them beyond.
-struct TwinModel {
-  terramechanics::Wheel wheel;
-  terramechanics::Soil soil;
-  rig::RigSettings rig;
-  rig::Ports ports;  ///< not owned
-};
 
 struct ComparisonOptions {
   double step = 0.02;  ///< longest step of the twin, s
@@ -47,9 +36,11 @@ struct MeanComparison {
 
 struct ChannelComparison {
   std::optional<SeriesComparison>
-      series;           ///< where the run has the topic; from the wheel's touch of the soil
-  MeanComparison mean;  ///< over the window of the averages, else over the time in which the rig moved
-  double error = 0.0;  ///< window averages: |twin - measured|; else RMSE over the time in which the rig moved
+      series;  ///< where the run has the topic; from the wheel's touch of the soil
+  MeanComparison
+      mean;  ///< over the window of the averages, else over the time in which the rig moved steadily
+  double error =
+      0.0;  ///< window averages: |twin - measured|; else RMSE over the time in which the rig moved steadily
   bool from_average = false;
 };
 
@@ -65,9 +56,11 @@ struct RunComparison {
   const std::optional<ChannelComparison>& at(Channel channel) const { return channels[index_of(channel)]; }
 };
 
-/// `log`: the run's bag as read, nullptr without one. What the twin cannot predict (an operation outside its
-/// contact, a load that the soil does not carry) is told in `failure`.
-RunComparison compare_run(const TwinModel& model, const logs::Run& run, const std::string& name,
+/// The twin with its effects and corrections; friction in the guide is taken to be worked loose
+/// (slow_course). Speeds that change are left out (run_grid.h). `log`: the run's bag as read, nullptr without
+/// one. What the twin cannot predict (an operation outside its contact, a load that the soil does not carry)
+/// is told in `failure`.
+RunComparison compare_run(const TwinConfig& model, const logs::Run& run, const std::string& name,
                           const run_log::RunLog* log, const ComparisonOptions& options = {});
 
 }  // namespace wheel_twin::twin

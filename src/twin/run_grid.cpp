@@ -15,13 +15,6 @@ namespace {
 
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-double first_stamp(const run_log::RunLog& log) {
-  double first = std::numeric_limits<double>::infinity();
-  for (const auto* times : {&log.ft.time, &log.draw_wire.time, &log.joints.time})
-    if (!times->empty()) first = std::min(first, times->front());
-  return first;
-}
-
 /// Adds samples to bins and averages; an empty bin between filled ones is interpolated (a slow sensor),
 /// others stay missing.
 class Binning {
@@ -117,6 +110,13 @@ const std::optional<logs::Average>& window_average(const logs::Averages& average
       break;
   }
   return averages.motor_effort;
+}
+
+double first_stamp(const run_log::RunLog& log) {
+  double first = std::numeric_limits<double>::infinity();
+  for (const auto* times : {&log.ft.time, &log.draw_wire.time, &log.joints.time})
+    if (!times->empty()) first = std::min(first, times->front());
+  return first;
 }
 
 bool RunGrid::has(Channel channel) const {
@@ -267,15 +267,26 @@ RunGrid condensed(const RunGrid& grid, int bins) {
 }
 
 std::vector<RunGrid> read_runs(const logs::Experiment& experiment, const GridOptions& options) {
+  std::vector<std::optional<run_log::RunLog>> logs;
+  double longest = 0.0;
+  for (const logs::Run& run : experiment.runs) {
+    logs.emplace_back();
+    if (run.bag) {
+      logs.back() = logs::read_run_log(experiment.path_of(*run.bag));
+      if (!logs.back()->joints.time.empty())
+        longest = std::max(longest, logs.back()->joints.time.back() - first_stamp(*logs.back()));
+    } else if (run.averages) {
+      longest = std::max(longest, run.averages->window_end);
+    }
+  }
+  GridOptions common = options;
+  common.bin = std::max(options.bin, longest / options.most_bins);
   std::vector<RunGrid> grids;
-  const double radius = experiment.wheel.radius;
   for (std::size_t i = 0; i < experiment.runs.size(); ++i) {
     const logs::Run& run = experiment.runs[i];
-    if (run.bag)
-      grids.push_back(
-          grid_of(run, *run.bag, logs::read_run_log(experiment.path_of(*run.bag)), radius, options));
-    else
-      grids.push_back(grid_of_averages(run, fmt::format("run_{}", i), radius, options));
+    grids.push_back(logs[i]
+                        ? grid_of(run, *run.bag, *logs[i], experiment.wheel.radius, common)
+                        : grid_of_averages(run, fmt::format("run_{}", i), experiment.wheel.radius, common));
   }
   return grids;
 }

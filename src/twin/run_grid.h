@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,8 +47,13 @@ struct RunGrid {
   bool has(Channel channel) const;  ///< at least one bin of it is measured
 };
 
+/// The first stamp of a log, which is the start of its run, s.
+double first_stamp(const run_log::RunLog& log);
+
 struct GridOptions {
   double bin = 0.2;  ///< s
+  /// Of the longest run, for which all bins of an experiment are made longer (read_runs).
+  double most_bins = std::numeric_limits<double>::infinity();
 };
 
 /// `log` must have joint states. `radius` of the wheel turns rates into rim speeds, m.
@@ -63,7 +69,8 @@ RunGrid grid_of_averages(const logs::Run& declared, const std::string& name, dou
 /// windows stay out.
 RunGrid condensed(const RunGrid& grid, int bins);
 
-/// All runs of an experiment, in its order. Throws Error naming the run that cannot be read.
+/// All runs of an experiment, in its order, on bins of one length. Throws Error naming the run that cannot be
+/// read.
 std::vector<RunGrid> read_runs(const logs::Experiment& experiment, const GridOptions& options = {});
 
 }  // namespace wheel_twin::twin

@@ -65,7 +65,7 @@ void sort_runs(const logs::Experiment& experiment, const std::vector<RunGrid>& g
 SteadyEvidence evidence_of(const logs::Experiment& experiment, const Runs& runs, Diagnosis& d) {
   SteadyEvidence e;
   e.declared = declared_twin(experiment);
-  e.declared.rig.steering_limit = 1.6;  // of the contact; the rig that was driven had its own
+  e.declared.rig.steering_limit = 1.5;  // of the contact; the rig that was driven had its own
   double pressure = 1.0, exponent = 0.1;
   const std::vector<PressCurve> curves = read_press_curves(experiment);
   if (!curves.empty()) {
@@ -155,9 +155,27 @@ std::string effect_list(const std::vector<std::string>& names) {
   return text.empty() ? "nothing" : text;
 }
 
+void set_left_out(const SteadyRuns& runs, const Means& residuals, SteadyReport& report) {
+  for (std::size_t i = 0; i < residuals.size(); ++i)
+    for (SteadyRow& row : report.rows)
+      if (row.run == runs[i]->grid.name)
+        for (std::size_t w = 0; w < residuals[i].size(); ++w) {
+          const auto value = row.values.find(runs[i]->grid.windows[w].channel);
+          if (value != row.values.end()) value->second.left_out = value->second.measured - residuals[i][w];
+        }
+}
+
+std::string label_of(const SteadyRuns& part) {
+  std::set<std::string> groups;
+  for (const SteadyRun* run : part) groups.insert(run->group().empty() ? run->grid.name : run->group());
+  std::string label;
+  for (const std::string& group : groups) label += (label.empty() ? "" : ", ") + group;
+  return label;
+}
+
 /// Every part foretold by a selection that never saw it, in its choice of effects neither.
 void foretell_parts(const SteadyEvidence& evidence, const SteadyRuns& runs, const Tellable& tellable,
-                    const DiagnosisOptions& options, const LeftOut& before, SteadyReport& report) {
+                    const DiagnosisOptions& options, SteadyReport& report) {
   const std::vector<SteadyRuns> parts = parts_of(runs);
   std::vector<Means> residuals(parts.size());
   report.parts.resize(parts.size());
@@ -167,32 +185,23 @@ void foretell_parts(const SteadyEvidence& evidence, const SteadyRuns& runs, cons
     SteadyRuns others;
     for (std::size_t j = 0; j < parts.size(); ++j)
       if (j != k) others.insert(others.end(), parts[j].begin(), parts[j].end());
-    std::string label;
-    std::set<std::string> groups;
-    for (const SteadyRun* run : parts[k]) groups.insert(run->group().empty() ? run->grid.name : run->group());
-    for (const std::string& group : groups) label += (label.empty() ? "" : ", ") + group;
+    report.parts[k] = label_of(parts[k]);
     try {
       SelectionOptions selection_options;
       selection_options.false_alarm_rate = options.false_alarm_rate;
       const Selection s = select_effects(evidence, others, tellable.names, selection_options);
       residuals[k] = residuals_of(s.chosen.fit.candidate.model, s.chosen.fit.baseline, parts[k]);
-      label += ": " + effect_list(s.chosen.fit.candidate.effects);
+      report.parts[k] += ": " + effect_list(s.chosen.fit.candidate.effects);
     } catch (const Error& error) {
-      label += fmt::format(": not foretold, {}", error.what());
+      report.parts[k] += fmt::format(": not foretold, {}", error.what());
     }
-    report.parts[k] = label;
     progress.update(++done);
   });
-  for (std::size_t k = 0; k < parts.size(); ++k)
-    for (std::size_t i = 0; i < residuals[k].size(); ++i)
-      for (SteadyRow& row : report.rows)
-        if (row.run == parts[k][i]->grid.name)
-          for (std::size_t w = 0; w < residuals[k][i].size(); ++w) {
-            const auto value = row.values.find(parts[k][i]->grid.windows[w].channel);
-            if (value != row.values.end())
-              value->second.left_out = value->second.measured - residuals[k][i][w];
-          }
-  // Before: the twin without effects, its soil fitted without the group.
+  for (std::size_t k = 0; k < parts.size(); ++k) set_left_out(parts[k], residuals[k], report);
+}
+
+/// `before`: the twin without effects, its soil fitted without the group.
+void score_left_out(const SteadyEvidence& evidence, const LeftOut& before, SteadyReport& report) {
   const auto score = [&](const auto& filter) {
     Errors errors = errors_between(report.rows, evidence.noise, &SteadyRow::Value::before,
                                    &SteadyRow::Value::left_out, filter);
@@ -279,7 +288,14 @@ void diagnose_by_means(const logs::Experiment& experiment, const DiagnosisOption
   d.revised = s.chosen.fit.candidate.model;
   for (const SteadyRun* run : runs.measured)
     if (!run->reference) report.rows.push_back(row_of(*run, evidence.declared, d.before, d.revised));
-  foretell_parts(evidence, runs.measured, tellable, options, s.nothing.left_out, report);
+  if (options.choose_without_group) {
+    foretell_parts(evidence, runs.measured, tellable, options, report);
+  } else {
+    set_left_out(s.chosen.left_out.runs, s.chosen.left_out.residuals, report);
+    for (const SteadyRuns& part : parts_of(runs.measured))
+      report.parts.push_back(label_of(part) + ": " + effect_list(s.chosen.fit.candidate.effects));
+  }
+  score_left_out(evidence, s.nothing.left_out, report);
   const std::vector<std::string>& found = s.chosen.fit.candidate.effects;
 
   const double left = s.chosen.left_out.chi_square, at_first = s.nothing.left_out.chi_square;
@@ -331,9 +347,19 @@ void diagnose_by_means(const logs::Experiment& experiment, const DiagnosisOption
     d.held_out_error = report.left_out;
     for (const SteadyRow& row : report.rows) d.held_out.push_back(row.run);
   }
+  std::string moved;  // what the soil had to give to meet the runs without an effect
+  for (std::size_t j = 0; j < evidence.unknowns.size(); ++j) {
+    const Unknown& u = evidence.unknowns[j];
+    const double widths = (s.nothing.fit.soil[j] - u.prior) / u.prior_deviation;
+    if (std::abs(widths) > 1.0)
+      moved += fmt::format("{}{} {:.3g} to {:.3g} ({:+.1f} prior deviations)", moved.empty() ? "" : ", ",
+                           u.name, u.prior, s.nothing.fit.soil[j], widths);
+  }
   for (std::size_t j = 0; j < evidence.unknowns.size(); ++j)
     report.soil.push_back(fmt::format("{} {:.4g} ± {:.2g}", evidence.unknowns[j].name, s.chosen.fit.soil[j],
                                       s.chosen.fit.soil_error[j]));
+
+  report.survey = survey_logs(experiment);
 
   const std::string residual = describe_by_slip(report.rows, evidence.noise, &SteadyRow::Value::before);
   const std::string remainder =
@@ -348,6 +374,7 @@ void diagnose_by_means(const logs::Experiment& experiment, const DiagnosisOption
       "Twin as declared, with the plates' soil where there are plates: {}. With the soil fitted to the runs "
       "and no effect: {}. ",
       errors_text(report.declared, &ChannelError::before), errors_text(d.error, &ChannelError::before));
+  if (!moved.empty()) d.evidence += fmt::format("For that the soil moved: {}. ", moved);
   if (!residual.empty()) d.evidence += "What that leaves: " + residual + ". ";
   if (d.verdict == "no_residual") {
     d.evidence += fmt::format(

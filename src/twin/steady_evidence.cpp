@@ -110,7 +110,8 @@ std::string describe_correlations(const std::vector<SteadyRow>& rows, const Stea
       if (values.size() < 2) continue;
       double mean = 0.0;
       for (const double v : values) mean += v / static_cast<double>(values.size());
-      const double z = mean * std::sqrt(static_cast<double>(values.size())) / noise[index_of(channel)].within;
+      const double z =
+          mean * std::sqrt(static_cast<double>(values.size())) / noise[index_of(channel)].independent();
       if (std::abs(z) > std::abs(worst_z)) worst = group, worst_z = z, worst_mean = mean;
     }
     if (static_cast<double>(groups.size() * channel_count) * std::erfc(std::abs(worst_z) / std::sqrt(2.0)) <

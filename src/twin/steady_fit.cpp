@@ -5,12 +5,14 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/random.h"
 #include "effects/catalogue.h"
 
 namespace wheel_twin::twin {
 namespace {
 
 constexpr double prior_widths = 3.0;  // of a parameter's scale
+constexpr int soil_draws = 10;
 
 struct Layout {
   std::vector<const effects::EffectType*> types;
@@ -92,7 +94,7 @@ TwinConfig with_soil(const SteadyEvidence& evidence, const std::vector<double>& 
 }
 
 SteadyFit fit_steady(const SteadyEvidence& evidence, const std::vector<std::string>& names,
-                     const SteadyRuns& runs, const SteadyFit* known, int iterations) {
+                     const SteadyRuns& runs, const SteadyFit* known, int iterations, std::size_t looks_kept) {
   const Layout layout(names);
   std::vector<Unknown> unknowns = evidence.unknowns;
   const std::size_t soil_count = unknowns.size();
@@ -108,14 +110,13 @@ SteadyFit fit_steady(const SteadyEvidence& evidence, const std::vector<std::stri
       u.prior_deviation = p.neutral >= p.upper ? 1e9 : prior_widths * p.scale;
       unknowns.push_back(u);
     }
+  std::vector<double> displacements;  // where the last evaluation found the hub, run by run
   const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
-    try {
-      const TwinConfig baseline = with_soil(evidence, x);
-      const TwinConfig model = with_effects(baseline, layout, layout.split(x, soil_count));
-      whiten_means(runs, residuals_of(model, baseline, runs), evidence.noise, out);
-    } catch (const Error&) {
-      return false;
-    }
+    const TwinConfig baseline = with_soil(evidence, x);
+    const TwinConfig model = with_effects(baseline, layout, layout.split(x, soil_count));
+    Means residuals;
+    if (!residuals_for_fit(model, baseline, runs, displacements, residuals)) return false;
+    whiten_means(runs, residuals, evidence.noise, out);
     return true;
   };
 
@@ -133,29 +134,48 @@ SteadyFit fit_steady(const SteadyEvidence& evidence, const std::vector<std::stri
       }
     starts = std::move(longer);
   }
-  for (std::size_t j = 0; known != nullptr && j < known->soil.size(); ++j) unknowns[j].start = known->soil[j];
-  const auto with_start = [&](const std::vector<double>& values) {
+  // A fit with fewer effects may have bent the soil far to make up for them: soils drawn from the prior are
+  // starts too.
+  const bool refit = known != nullptr && known->candidate.effects == names;
+  std::vector<std::vector<double>> soils(1);
+  for (std::size_t j = 0; j < soil_count; ++j)
+    soils.front().push_back(known != nullptr ? known->soil[j] : unknowns[j].start);
+  Random random(1, 0);
+  for (int draw = 0; !refit && draw < soil_draws; ++draw) {
+    soils.emplace_back();
+    for (std::size_t j = 0; j < soil_count; ++j)
+      soils.back().push_back(unknowns[j].prior + unknowns[j].prior_deviation * random.normal());
+  }
+  const auto with_start = [&](const std::vector<double>& values, const std::vector<double>& soil) {
     std::vector<Unknown> started = unknowns;
+    for (std::size_t j = 0; j < soil_count; ++j)
+      started[j].start = std::clamp(soil[j], unknowns[j].lower, unknowns[j].upper);
     for (std::size_t i = 0; i < values.size(); ++i) started[soil_count + i].start = values[i];
     return started;
   };
-  // Look from every start, then go on from the two best.
-  std::vector<std::pair<double, std::size_t>> looks;
-  for (std::size_t s = 0; s < starts.size(); ++s) {
-    double sum = 0.0;
-    if (starts.size() > 2) {
-      std::vector<double> x, residuals;
-      for (const Unknown& u : with_start(starts[s])) x.push_back(std::clamp(u.start, u.lower, u.upper));
-      if (!function(x, residuals)) continue;
-      for (const double r : residuals) sum += r * r;
+  // Look from every start, then go on from the best.
+  struct Look {
+    double cost;
+    std::vector<Unknown> start;
+  };
+  std::vector<Look> looks;
+  for (const auto& values : starts)
+    for (const auto& soil : soils) {
+      Look look{0.0, with_start(values, soil)};
+      if (!refit) {
+        std::vector<double> x, residuals;
+        for (const Unknown& u : look.start) x.push_back(std::clamp(u.start, u.lower, u.upper));
+        if (!function(x, residuals)) continue;
+        for (const double r : residuals) look.cost += r * r;
+      }
+      looks.push_back(std::move(look));
     }
-    looks.emplace_back(sum, s);
-  }
-  std::sort(looks.begin(), looks.end());
-  if (looks.size() > 2) looks.resize(2);
+  std::stable_sort(looks.begin(), looks.end(), [](const Look& a, const Look& b) { return a.cost < b.cost; });
+  if (looks.size() > looks_kept) looks.resize(looks_kept);
   FitResult best;
-  for (const auto& look : looks) {
-    FitResult fit = least_squares(with_start(starts[look.second]), function, iterations);
+  for (const Look& look : looks) {
+    displacements.clear();
+    FitResult fit = least_squares(look.start, function, iterations);
     if (fit.usable && fit.cost < best.cost) best = std::move(fit);
   }
 
@@ -180,7 +200,12 @@ SteadyFit fit_steady(const SteadyEvidence& evidence, const std::vector<std::stri
   }
   std::vector<double> whitened;
   std::vector<std::size_t> run_of;
-  whiten_means(runs, residuals_of(c.model, result.baseline, runs), evidence.noise, whitened, &run_of);
+  try {
+    whiten_means(runs, residuals_of(c.model, result.baseline, runs), evidence.noise, whitened, &run_of);
+  } catch (const Error&) {
+    c.usable = false;  // a run that its own fit does not carry
+    return result;
+  }
   c.run_chi_square.assign(runs.size(), 0.0);
   for (std::size_t i = 0; i < whitened.size(); ++i) c.run_chi_square[run_of[i]] += whitened[i] * whitened[i];
   for (const double v : c.run_chi_square) c.chi_square += v;
@@ -214,7 +239,7 @@ std::vector<SteadyRuns> parts_of(const SteadyRuns& runs, std::size_t most) {
 
 LeftOut leave_out(const SteadyEvidence& evidence, const SteadyFit& fit,
                   const std::vector<SteadyRuns>& parts) {
-  constexpr int iterations = 8;  // from the fit to all runs, which is near
+  constexpr int iterations = 6;  // from the fit to all runs, which is near
   LeftOut result;
   for (const SteadyRuns& part : parts) {
     SteadyRuns others;

@@ -35,9 +35,10 @@ struct SteadyFit {
   std::vector<double> soil_error;
 };
 
-/// Fits from several starts, or from `known` alone.
+/// Looks from several starts, `known` giving those of leading effects, and goes on from the best of them.
 SteadyFit fit_steady(const SteadyEvidence& evidence, const std::vector<std::string>& effects,
-                     const SteadyRuns& runs, const SteadyFit* known = nullptr, int iterations = 15);
+                     const SteadyRuns& runs, const SteadyFit* known = nullptr, int iterations = 40,
+                     std::size_t looks_kept = 2);
 
 /// Runs in parts that are left out together: by group, by turns where there is one group or none. At most
 /// `most` parts.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "twin/channel_error.h"
-#include "twin/twin_config.h"
+#include "twin/log_survey.h"
 
 namespace wheel_twin::twin {
 
@@ -36,6 +36,7 @@ struct SteadyReport {
   std::size_t outside_runs = 0;
   std::vector<std::string> left_aside;  ///< effects that means cannot tell, with the reason
   std::vector<std::string> soil;        ///< fitted soil parameters, as text
+  std::vector<SurveyItem> survey;       ///< what else the logs carry
 };
 
 }  // namespace wheel_twin::twin

@@ -50,6 +50,11 @@ double leading_load(const logs::Run& run) {
   return run.averages && run.averages->normal_load ? run.averages->normal_load->mean : run.load;
 }
 
+double leading_steering(const logs::Run& run) {
+  constexpr double unsteered = 2e-3;  // rad; what an encoder's zero is worth
+  return std::abs(run.steering_angle) < unsteered ? 0.0 : run.steering_angle;
+}
+
 bool known_by_means(const std::vector<RunGrid>& grids) {
   bool any = false;
   for (const RunGrid& grid : grids) {
@@ -60,6 +65,10 @@ bool known_by_means(const std::vector<RunGrid>& grids) {
   return any;
 }
 
+double SteadyScatter::independent() const {
+  return std::hypot(within, tolerance);
+}
+
 SteadyRun steady_run(const logs::Run& run, const std::string& name, double radius) {
   if (!run.averages) throw Error(fmt::format("{}: no window averages", name));
   SteadyRun steady;
@@ -67,6 +76,7 @@ SteadyRun steady_run(const logs::Run& run, const std::string& name, double radiu
   grid.name = name;
   grid.declared = run;
   grid.declared.load = leading_load(run);
+  grid.declared.steering_angle = leading_steering(run);
   if (!(grid.declared.load > 0.0))
     throw Error(fmt::format("{}: a normal load of {:.3g} N carries no wheel: sign or tare", name,
                             grid.declared.load));
@@ -83,7 +93,7 @@ SteadyRun steady_run(const logs::Run& run, const std::string& name, double radiu
     m.carriage_position = speeds.carriage * m.time;
     m.wheel_angle = speeds.wheel * m.time;
     m.load = grid.declared.load;
-    m.steering_angle = run.steering_angle;
+    m.steering_angle = grid.declared.steering_angle;
     grid.motion.push_back(m);
   }
   grid.measured.setConstant(channel_rows, bins, std::numeric_limits<double>::quiet_NaN());
@@ -144,11 +154,12 @@ SteadyNoise steady_noise(const logs::Experiment& experiment, const std::vector<S
       between = std::clamp(other / other_pairs - same / same_pairs, 0.1 * total, 0.9 * total);
     s.between = std::sqrt(between);
     s.within = std::sqrt(total - between);
+    s.tolerance = assumed[c];
   }
   return noise;
 }
 
-std::vector<double> predict_means(const TwinConfig& model, const SteadyRun& run) {
+std::vector<double> predict_means(const TwinConfig& model, const SteadyRun& run, double* displacement) {
   const RunGrid& grid = run.grid;
   const Acting acting = acting_effects(model);
   rig::SemiEmpiricalContact contact(model.wheel, model.soil, acting.ports);
@@ -164,9 +175,12 @@ std::vector<double> predict_means(const TwinConfig& model, const SteadyRun& run)
   for (const WindowMean& window : grid.windows)
     if (window.channel == Channel::hub_displacement && window.mean > 0.0)
       options.initial_displacement = window.mean;
+  if (displacement != nullptr && *displacement > 0.0) options.initial_displacement = *displacement;
   rig::Replay replay(model.rig, conditions, model.wheel.radius, contact, acting.ports, options);
   replay.update(grid.motion.front());
-  const rig::Readings& r = replay.update(grid.motion.back()).readings;
+  const rig::RigStep& step = replay.update(grid.motion.back());
+  const rig::Readings& r = step.readings;
+  if (displacement != nullptr) *displacement = step.state.hub_displacement;
   const std::array<double, channel_count> values = {r.wrench.force.x(),  r.wrench.force.y(),
                                                     r.wrench.force.z(),  r.displacement,
                                                     r.wrench.torque.y(), r.joints.wheel_effort};
@@ -192,6 +206,30 @@ Means residuals_of(const TwinConfig& model, const TwinConfig& reference_model,
   return residuals;
 }
 
+bool residuals_for_fit(const TwinConfig& model, const TwinConfig& reference_model,
+                       const std::vector<const SteadyRun*>& runs, std::vector<double>& displacements,
+                       Means& residuals) {
+  std::size_t carried = 0;
+  displacements.resize(runs.size(), 0.0);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const std::vector<WindowMean>& windows = runs[r]->grid.windows;
+    std::vector<double> means;
+    try {
+      means = predict_means(runs[r]->reference ? reference_model : model, *runs[r], &displacements[r]);
+      ++carried;
+    } catch (const Error&) {
+      displacements[r] = 0.0;
+      for (const WindowMean& window : windows)
+        means.push_back(window.channel == Channel::hub_displacement ? model.wheel.radius
+                        : window.channel == Channel::normal_load    ? runs[r]->grid.declared.load
+                                                                    : 0.0);
+    }
+    residuals.emplace_back();
+    for (std::size_t w = 0; w < means.size(); ++w) residuals.back().push_back(windows[w].mean - means[w]);
+  }
+  return carried > 0;
+}
+
 void whiten_means(const std::vector<const SteadyRun*>& runs, const Means& residuals, const SteadyNoise& noise,
                   std::vector<double>& out, std::vector<std::size_t>* run_of) {
   for (const Channel channel : all_channels) {
@@ -213,11 +251,11 @@ void whiten_means(const std::vector<const SteadyRun*>& runs, const Means& residu
       sum.value += value;
       sum.count += 1.0;
     });
-    const double ratio = std::pow(scatter.between / scatter.within, 2);
+    const double ratio = std::pow(scatter.between / scatter.independent(), 2);
     for_each([&](std::size_t r, double value) {
       const Sum& sum = groups[group_of(r)];
       const double shared = (1.0 - 1.0 / std::sqrt(1.0 + sum.count * ratio)) * sum.value / sum.count;
-      out.push_back((value - shared) / scatter.within);
+      out.push_back((value - shared) / scatter.independent());
       if (run_of != nullptr) run_of->push_back(r);
     });
   }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double least_share = 0.15;  // of the left-out chi-square that an addition must take away
 constexpr double least_gain = 2.0;    // in score
+constexpr int first_iterations = 8;   // of a first fit, which tells what to look at closely
 
 class Search {
  public:
@@ -43,7 +44,8 @@ class Search {
       if (options_.progress) options_.progress(done / steps);
     };
     in_parallel(trials.size(), options_.threads, [&](std::size_t i) {
-      trials[i].fit = fit_steady(evidence_, trials[i].fit.candidate.effects, runs_, &base.fit);
+      trials[i].fit =
+          fit_steady(evidence_, trials[i].fit.candidate.effects, runs_, &base.fit, first_iterations);
       tell();
     });
     keep(trials, [](const Trial& t) { return t.fit.candidate.usable; });
@@ -53,6 +55,9 @@ class Search {
     });
     if (trials.size() > options_.close_looks) trials.resize(options_.close_looks);
     in_parallel(trials.size(), options_.threads, [&](std::size_t i) {
+      const SteadyFit first = trials[i].fit;
+      trials[i].fit = fit_steady(evidence_, first.candidate.effects, runs_, &first);
+      if (!trials[i].fit.candidate.usable) return;
       trials[i].left_out = leave_out(evidence_, trials[i].fit, parts_);
       tell();
     });

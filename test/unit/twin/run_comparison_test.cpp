@@ -9,8 +9,8 @@
 namespace wheel_twin::twin {
 namespace {
 
-TwinModel model() {
-  TwinModel m;
+TwinConfig model() {
+  TwinConfig m;
   m.wheel.stiffness = std::nullopt;
   m.soil.c1 = 0.4;
   return m;
@@ -23,7 +23,7 @@ struct Synthetic {
 };
 
 Synthetic synthetic(double pull_residual, double displacement_residual) {
-  const TwinModel m = model();
+  const TwinConfig m = model();
   Synthetic s;
   s.run.bag = "run.bag";
   s.run.slip = 0.3;
@@ -104,7 +104,7 @@ TEST(RunComparison, WindowAveragesAreComparedOverTheirWindow) {
 TEST(RunComparison, TellsWhyItHasNoPrediction) {
   Synthetic s = synthetic(0.0, 0.0);
   s.run.steering_angle = 1.57;
-  TwinModel m = model();
+  TwinConfig m = model();
   m.rig.steering_limit = 1.5;
   EXPECT_NE(compare_run(m, s.run, "run.bag", &s.log).failure, "");
   s.run.steering_angle = 0.0;
