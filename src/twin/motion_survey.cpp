@@ -57,10 +57,10 @@ void MotionSurvey::add_lines(std::vector<Line>& lines, const std::vector<double>
   if (angle.size() < 400 || std::abs(angle.back() - angle.front()) < least_turns * two_pi) return;
   if (lines.empty())
     for (int k = 1; k <= most_cycles; ++k) lines.push_back({static_cast<double>(k), {}, {}});
-  // A running mean over 1.5 of the period is taken off first, so that a slow course is no line.
+  // A running mean over one period is taken off first, so that a slow course is no line.
   const double spacing = std::abs(angle.back() - angle.front()) / static_cast<double>(angle.size());
   for (Line& line : lines) {
-    const auto half = static_cast<std::size_t>(std::max(2.0, 0.75 * two_pi / line.cycles / spacing));
+    const auto half = static_cast<std::size_t>(std::max(2.0, 0.5 * two_pi / line.cycles / spacing));
     if (4 * half > angle.size()) continue;
     double cc = 0.0, ss = 0.0, cs = 0.0, cv = 0.0, sv = 0.0, vv = 0.0, n = 0.0;
     double sum =

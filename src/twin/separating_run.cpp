@@ -37,8 +37,18 @@ SteadyRun planned(const SteadyRun& like, double slip, double load, double steeri
 std::string separating_run(const logs::Experiment& experiment, const SteadyEvidence& evidence,
                            const Selection& selection, const SteadyRuns& runs) {
   std::vector<const Trial*> rivals;
+  const auto& chosen = selection.chosen.fit.candidate.effects;
+  // More effects on top of the chosen ones are no rivals.
+  const auto adds_to_chosen = [&](const std::vector<std::string>& effects) {
+    return !chosen.empty() && effects.size() > chosen.size() &&
+           std::all_of(chosen.begin(), chosen.end(), [&](const std::string& name) {
+             return std::find(effects.begin(), effects.end(), name) != effects.end();
+           });
+  };
   for (const Trial& t : selection.trials)
-    if (t.score > selection.trials.front().score - near && rivals.size() < 6) rivals.push_back(&t);
+    if (t.score > selection.trials.front().score - near && rivals.size() < 6 &&
+        !adds_to_chosen(t.fit.candidate.effects))
+      rivals.push_back(&t);
   if (rivals.size() < 2 || runs.empty()) return {};
   double load = 0.0;
   for (const SteadyRun* run : runs) load += run->grid.declared.load / static_cast<double>(runs.size());

@@ -384,12 +384,13 @@ void diagnose_by_means(const logs::Experiment& experiment, const DiagnosisOption
   } else if (found.empty()) {
     d.evidence += fmt::format(
         "It is more than scatter, but no effect of the catalogue foretells groups left out better by a "
-        "margin beyond chance (best: {}, p = {:.2g}).",
+        "margin beyond chance (best: {}, corrected p = {:.2g}).",
         s.trials.empty() ? "none" : effect_list(s.trials.front().fit.candidate.effects), s.p);
   } else {
     d.evidence += fmt::format(
-        "{} foretell{} groups left out where the soil alone does not (p = {:.2g}, Hoeffding's bound over "
-        "runs and channels): left out, with the effects chosen without the group as well, {}; scatter of "
+        "{} foretell{} groups left out where the soil alone does not (corrected p = {:.2g}, sign-flip test "
+        "over runs and channels): left out, with the effects chosen without the group as well, {}; scatter "
+        "of "
         "repeated runs: {}. The same choice is made without the group in {} of {} groups.",
         effect_list(found), found.size() == 1 ? "s" : "", s.p,
         errors_text(report.left_out, &ChannelError::after),

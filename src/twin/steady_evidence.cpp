@@ -114,8 +114,9 @@ std::string describe_correlations(const std::vector<SteadyRow>& rows, const Stea
           mean * std::sqrt(static_cast<double>(values.size())) / noise[index_of(channel)].independent();
       if (std::abs(z) > std::abs(worst_z)) worst = group, worst_z = z, worst_mean = mean;
     }
-    if (static_cast<double>(groups.size() * channel_count) * std::erfc(std::abs(worst_z) / std::sqrt(2.0)) <
-        0.05)
+    if (!worst.empty() &&
+        static_cast<double>(groups.size() * channel_count) * std::erfc(std::abs(worst_z) / std::sqrt(2.0)) <
+            0.05)
       text +=
           fmt::format("{}{} of {} lies {:+.3g} {} off as a whole", text.empty() ? "" : "; ", name_of(channel),
                       worst, shown_factor(channel) * worst_mean, shown_unit_of(channel));

@@ -53,8 +53,10 @@ struct LeftOut {
 };
 LeftOut leave_out(const SteadyEvidence& evidence, const SteadyFit& fit, const std::vector<SteadyRuns>& parts);
 
-/// p-value of "what `with` foretells beyond `without` is chance": votes of the runs left out, run by run and
-/// channel by channel, between -1 and 1, by Hoeffding's bound (certify.h).
+/// p-value of "what `with` foretells beyond `without` is chance": sign-flip test on how far the residuals of
+/// the groups left out go along with what `with` foretells of them, each run and channel with a sign of its
+/// own. Exact for residuals that are symmetric about zero whatever their distribution; a single loud run
+/// cannot make it small.
 double certify_left_out(const SteadyEvidence& evidence, const LeftOut& without, const LeftOut& with);
 
 }  // namespace wheel_twin::twin

@@ -1,5 +1,6 @@
 #include "twin/steady_selection.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -71,11 +72,20 @@ class Search {
     return std::max(1.0, n);
   }
 
+  /// Whether what is foretold better outweighs what was added.
+  bool worth(const Trial& without, const Trial& with) const {
+    const double before = without.left_out.chi_square, after = with.left_out.chi_square;
+    return 0.5 * (before - after) / temperature(with) > least_gain && before - after > least_share * before;
+  }
+
   /// Left-out chi-square over its size: above 1 where even the best explanation misses more than noise.
   double temperature(const Trial& best) const { return std::max(1.0, best.left_out.chi_square / count()); }
 
-  static void score(Trial& t, double temperature) {
-    t.score = -0.5 * t.left_out.chi_square / temperature - 0.5 * t.fit.candidate.parameters;
+  /// Groups left out price a parameter that does not help by about nothing: half the logarithm of the number
+  /// of values on top (Schwarz) makes fewer parameters win a draw.
+  void score(Trial& t, double temperature) const {
+    t.score =
+        -0.5 * t.left_out.chi_square / temperature - 0.5 * std::log(count()) * t.fit.candidate.parameters;
   }
 
  private:
@@ -107,18 +117,31 @@ Selection select_effects(const SteadyEvidence& evidence, const SteadyRuns& runs,
   s.chosen = s.nothing;
   s.trials.push_back(s.nothing);
   double worst_p = 0.0;
+  const double tests = static_cast<double>(names.size());  // every name might have been the best by chance
   for (std::size_t step = 0;
        step < 2 * options.most_effects && s.chosen.fit.candidate.effects.size() < options.most_effects;
        ++step) {
     std::vector<Trial> trials = search.additions(s.chosen, names);
     if (trials.empty()) break;
-    const Trial best = *std::min_element(trials.begin(), trials.end(), lower_chi_square);
+    Trial best = *std::min_element(trials.begin(), trials.end(), lower_chi_square);
     s.trials.insert(s.trials.end(), trials.begin(), trials.end());
-    const double p = certify_left_out(evidence, s.chosen.left_out, best.left_out);
-    const double before = s.chosen.left_out.chi_square, after = best.left_out.chi_square;
-    const double gain = 0.5 * (before - after) / search.temperature(best);
-    const bool accepted =
-        p < options.false_alarm_rate && gain > least_gain && before - after > least_share * before;
+    double p = tests * certify_left_out(evidence, s.chosen.left_out, best.left_out);
+    bool accepted = p < options.false_alarm_rate && search.worth(s.chosen, best);
+    if (!accepted && s.chosen.fit.candidate.effects.size() + 2 <= options.most_effects) {
+      // Two causes can hide one another: a pair on top of the best single, the second look at twice the
+      // price.
+      std::vector<Trial> pairs = search.additions(best, names);
+      s.trials.insert(s.trials.end(), pairs.begin(), pairs.end());
+      const auto pair = std::min_element(pairs.begin(), pairs.end(), lower_chi_square);
+      if (pair != pairs.end()) {
+        const double p_pair = 2.0 * tests * certify_left_out(evidence, s.chosen.left_out, pair->left_out);
+        if (p_pair < options.false_alarm_rate && search.worth(s.chosen, *pair)) {
+          accepted = true;
+          p = p_pair;
+          best = *pair;
+        }
+      }
+    }
     if (!accepted) {
       if (s.chosen.fit.candidate.effects.empty()) worst_p = p;
       break;
@@ -141,19 +164,52 @@ Selection select_effects(const SteadyEvidence& evidence, const SteadyRuns& runs,
       s.chosen = left;
     }
   }
-  s.p = worst_p;
+  s.p = std::min(1.0, worst_p);
   const double temperature =
       search.temperature(*std::min_element(s.trials.begin(), s.trials.end(), lower_chi_square));
-  for (Trial& t : s.trials) Search::score(t, temperature);
-  Search::score(s.chosen, temperature);
-  Search::score(s.nothing, temperature);
+  for (Trial& t : s.trials) search.score(t, temperature);
+  search.score(s.chosen, temperature);
+  search.score(s.nothing, temperature);
   std::stable_sort(s.trials.begin(), s.trials.end(),
                    [](const Trial& a, const Trial& b) { return a.score > b.score; });
   return s;
 }
 
+namespace {
+
+/// Share of what an effect changes that no change of the soil's own unknowns would do as well.
+double own_share(const SteadyEvidence& evidence, const SteadyRuns& runs, const TwinConfig& with_effect,
+                 const std::vector<double>& soil) {
+  std::vector<double> displacements;
+  const auto whitened = [&](const TwinConfig& model, const TwinConfig& reference) {
+    Means residuals;
+    std::vector<double> out;
+    residuals_for_fit(model, reference, runs, displacements, residuals);
+    whiten_means(runs, residuals, evidence.noise, out);
+    return Eigen::VectorXd(
+        Eigen::Map<const Eigen::VectorXd>(out.data(), static_cast<Eigen::Index>(out.size())));
+  };
+  const TwinConfig baseline = with_soil(evidence, soil);
+  const Eigen::VectorXd start = whitened(baseline, baseline);
+  const Eigen::VectorXd change = whitened(with_effect, baseline) - start;
+  Eigen::MatrixXd jacobian(start.size(), static_cast<Eigen::Index>(soil.size()));
+  for (std::size_t j = 0; j < soil.size(); ++j) {
+    std::vector<double> moved = soil;
+    moved[j] += 0.2 * evidence.unknowns[j].scale;
+    const TwinConfig model = with_soil(evidence, moved);
+    jacobian.col(static_cast<Eigen::Index>(j)) = whitened(model, model) - start;
+  }
+  if (!(change.norm() > 0.0)) return 0.0;
+  const Eigen::VectorXd left = change - jacobian * jacobian.colPivHouseholderQr().solve(change);
+  return left.norm() / change.norm();
+}
+
+}  // namespace
+
 Tellable tellable_effects(const SteadyEvidence& evidence, const SteadyRuns& runs) {
   constexpr double visible = 0.02;  // of the scatter of a channel
+  constexpr double own = 0.05;      // of what an effect changes
+  constexpr double small = 0.02;    // of its typical size, where it acts linearly
   Tellable result;
   std::vector<double> start;
   for (const Unknown& u : evidence.unknowns) start.push_back(u.start);
@@ -187,6 +243,15 @@ Tellable tellable_effects(const SteadyEvidence& evidence, const SteadyRuns& runs
         }
       }
       if (most < visible) reason = "changes no channel that was measured";
+    }
+    if (reason.empty() && type.parameters.size() == 1) {
+      const effects::Parameter& p = type.parameters.front();
+      if (p.neutral < p.upper) {
+        model.effects.back().values.front() =
+            p.neutral + small * (model.effects.back().values.front() - p.neutral);
+        if (own_share(evidence, runs, model, start) < own)
+          reason = "acts as a change of the soil's own parameters, which are fitted along";
+      }
     }
     if (reason.empty())
       result.names.push_back(type.name);

@@ -22,7 +22,8 @@ struct Selection {
   Trial nothing;
   Trial chosen;               ///< `nothing` again where no effect was accepted
   std::vector<Trial> trials;  ///< all that were looked at closely, best score first
-  double p = 1.0;             ///< worst certificate of the accepted effects, or that of the best one refused
+  double p = 1.0;  ///< corrected for the number of effects: worst certificate of the accepted effects, or
+                   ///< that of the best one refused
 };
 
 struct SelectionOptions {
