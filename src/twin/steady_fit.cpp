@@ -240,7 +240,7 @@ std::vector<SteadyRuns> parts_of(const SteadyRuns& runs, std::size_t most) {
 
 LeftOut leave_out(const SteadyEvidence& evidence, const SteadyFit& fit,
                   const std::vector<SteadyRuns>& parts) {
-  constexpr int iterations = 12;
+  constexpr int iterations = 20;
   constexpr double share = 0.7;
   // Begins part of the way back to the priors: a fit that cannot move must not keep what it learnt of the
   // part.
