@@ -278,12 +278,11 @@ MarkerArray ground_markers(const wheel::Ground& ground, const std::string& frame
   int id = 0;
   const auto block = [&](const Vector3d& centre, const Vector3d& size, double pitch,
                          const std_msgs::ColorRGBA& paint) {
-    Marker m = marker("ground", id++, Marker::CUBE);
-    m.pose.position = point(centre);
-    m.pose.orientation.y = std::sin(0.5 * pitch);
-    m.pose.orientation.w = std::cos(0.5 * pitch);
-    m.scale = vector(size);
-    m.color = paint;
+    Marker m = marker("ground", id++, Marker::TRIANGLE_LIST);
+    wheel::SegmentState pose;
+    pose.position = centre;
+    pose.orientation = Eigen::AngleAxisd(pitch, Vector3d::UnitY());
+    add_box(m, pose, {Vector3d::Zero(), 0.5 * size}, paint);
     pack(array, std::move(m), frame);
   };
   if (ground.floor) block({0.4, 0.0, *ground.floor - 0.005}, {1.4, 0.4, 0.01}, 0.0, colour(0.74, 0.69, 0.6));
