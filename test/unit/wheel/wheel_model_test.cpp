@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -62,6 +63,18 @@ TEST(WheelModel, ReadsThePapersWheels) {
   const WheelModel t0_r0 = wheel_file("t0_r0");
   EXPECT_EQ(FlexibleWheel(t0_r0).body_count(), 64 + 384);
   EXPECT_NEAR(t0_r0.beams.joint_stiffness * kPerDegree, 47.61, 0.01);
+}
+
+TEST(WheelModel, EveryShippedWheelLoadsAndTakesAStep) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(WHEEL_TWIN_SOURCE_DIR) + "/config/wheels")) {
+    FlexibleWheel wheel(read_wheel_file(entry.path().string()));
+    wheel.step(1e-5, wheel.hub());
+    EXPECT_EQ(wheel.steps(), 1) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 4);
 }
 
 TEST(WheelModel, WithoutMultibodySectionIsRigid) {
