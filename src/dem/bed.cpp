@@ -56,10 +56,10 @@ double cloud_height(const GranularSoil& soil, const BedSettings& s) {
          (s.length * s.width * s.cloud_density);
 }
 
-// What goes beyond the grains' own friction also resists rolling.
+// What goes beyond the grains' own friction resists rolling.
 PairProperties while_filling(const GranularSoil& soil, double fill_friction) {
   PairProperties pair = soil.grain_grain;
-  pair.friction = fill_friction;
+  pair.friction = std::min(fill_friction, soil.grain_grain.friction);
   pair.rolling_friction += std::max(0.0, fill_friction - soil.grain_grain.friction);
   return pair;
 }

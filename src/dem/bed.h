@@ -26,7 +26,7 @@ struct BedSettings {
   double gravity = 9.81;  ///< m/s^2
   std::uint64_t seed = 1;
   double cloud_density = 0.24;  ///< packing density of the cloud; smaller: a taller fall
-  /// Grain to grain while filling; what goes beyond the grains' own friction also resists
+  /// Grain to grain while filling; what goes beyond the grains' own friction resists
   /// rolling (a looser bed than friction alone gives). Nothing: tuned to the packing density.
   std::optional<double> fill_friction;
 };
