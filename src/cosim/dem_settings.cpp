@@ -14,6 +14,7 @@ DemSettings read_dem_settings(const yaml::Map& map) {
   s.bed.width = bed.number("width", {0.03, 10.0});
   s.bed.depth = bed.number("depth", {0.02, 2.0});
   s.bed.periodic_x = s.bed.periodic_y = bed.boolean("periodic");
+  s.bed.fill_friction = bed.optional_number("fill_friction", {0.004, 10.0});
   bed.finish();
   s.grain_scale = map.number("grain_scale", {0.2, 5.0});
   s.step_fraction = map.optional_number("step_fraction", {0.01, 0.5});

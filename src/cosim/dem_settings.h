@@ -22,8 +22,9 @@ struct DemSettings {
   rig::RunProfile profile;  ///< course of a run; its clearance is replaced by the bed's own first touch
 };
 
-/// Keys: name, bed {length, width, depth, periodic}, grain_scale, step_fraction (optional), start_x,
-/// headroom, profile {lowering_speed, dwell, ramp, duration, rest}. Throws Error naming file, line and key.
+/// Keys: name, bed {length, width, depth, periodic, fill_friction (optional)}, grain_scale, step_fraction
+/// (optional), start_x, headroom, profile {lowering_speed, dwell, ramp, duration, rest}. Throws Error naming
+/// file, line and key.
 DemSettings read_dem_settings(const yaml::Map& map);
 
 /// A file in config/dem, by name or path.
