@@ -67,7 +67,8 @@ double kernel(double slip, double load, const Correction& c) {
 /// Gaussian-process mean of what a channel is left with; sets the run offset of its noise to the deviation
 /// that remains between runs.
 Correction correct(int channel, const std::vector<const RunGrid*>& runs,
-                   const std::vector<Residual>& residuals, ChannelNoise& noise, double floor) {
+                   const std::vector<Residual>& residuals, ChannelNoise& noise, double floor,
+                   double* foretold = nullptr) {
   Correction correction;
   correction.channel = all_channels[static_cast<std::size_t>(channel)];
   std::vector<double> left, error;
@@ -99,6 +100,7 @@ Correction correct(int channel, const std::vector<const RunGrid*>& runs,
   // Leave-one-out error of the correction: (K^-1 m)_i / (K^-1)_ii.
   double loo = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) loo += std::pow(alpha[i] / inverse(i, i), 2) / static_cast<double>(n);
+  if (foretold != nullptr) *foretold = square > 0.0 ? 1.0 - loo / square : 0.0;
   const double own = error.front() * error.front();
   // Reference runs further apart than the kernel's length say nothing between them: half of what was left
   // remains.
@@ -204,6 +206,23 @@ std::vector<Unknown> unknowns_beside_shape(const Calibration& calibration) {
     result.push_back(u);
   }
   return result;
+}
+
+std::vector<Correction> remaining_corrections(const TwinConfig& model,
+                                              const std::vector<const RunGrid*>& runs, NoiseModel noise) {
+  constexpr std::size_t least_runs = 4;
+  constexpr double enough = 0.5;  // share of the levels' variance that must be foretold
+  std::vector<Correction> found;
+  if (runs.size() < least_runs) return found;
+  std::vector<Residual> residuals;
+  for (const RunGrid* run : runs) residuals.push_back(residual_of(*run, simulate(model, *run)));
+  for (int c = 0; c < channel_rows; ++c) {
+    double foretold = 0.0;
+    const Correction correction =
+        correct(c, runs, residuals, noise[static_cast<std::size_t>(c)], 0.0, &foretold);
+    if (!correction.weight.empty() && foretold > enough) found.push_back(correction);
+  }
+  return found;
 }
 
 Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGrid*>& runs,

@@ -22,6 +22,11 @@ std::vector<Unknown> baseline_unknowns(const TwinConfig& model);
 TwinConfig with_baseline(const TwinConfig& model, const std::vector<Unknown>& unknowns,
                          const std::vector<double>& x);
 
+/// What `model` still misses of the level of each channel on `runs`, as smooth functions of slip and load;
+/// only where leaving runs out shows that it foretells them.
+std::vector<Correction> remaining_corrections(const TwinConfig& model,
+                                              const std::vector<const RunGrid*>& runs, NoiseModel noise);
+
 struct Calibration;
 
 /// Those of the unknowns that leave the shape of the contact law alone, so that its table stays good, about

@@ -250,38 +250,57 @@ double square_sum(const std::vector<double>& values) {
 
 }  // namespace
 
+namespace {
+
+/// Where one Gauss-Newton step from a start leads.
+struct Look {
+  double foretold = std::numeric_limits<double>::infinity();  // chi-square there, were the residual linear
+  std::vector<double> x;
+};
+
+Look look_from(const Problem& problem, const std::vector<double>& start) {
+  constexpr double difference = 0.02;  // of the scale
+  const std::vector<Unknown> unknowns = problem.started(start);
+  Look look;
+  look.x = values_of(unknowns);
+  std::vector<double> here;
+  if (!problem.residuals(look.x, false, {}, here)) return look;
+  const auto rows = static_cast<Eigen::Index>(here.size()),
+             columns = static_cast<Eigen::Index>(look.x.size());
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, columns);
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    std::vector<double> near = look.x, there;
+    near[k] += (near[k] + difference * unknowns[k].scale > unknowns[k].upper ? -1.0 : 1.0) * difference *
+               unknowns[k].scale;
+    if (!problem.residuals(near, false, {}, there)) continue;
+    for (Eigen::Index i = 0; i < rows; ++i)
+      jacobian(i, j) = (there[static_cast<std::size_t>(i)] - here[static_cast<std::size_t>(i)]) /
+                       (near[k] - look.x[k]) * unknowns[k].scale;
+  }
+  const Eigen::Map<const Eigen::VectorXd> r(here.data(), rows);
+  Eigen::MatrixXd information = jacobian.transpose() * jacobian;
+  information.diagonal().array() += 1e-3 + 1e-9 * information.diagonal().maxCoeff();
+  const Eigen::VectorXd slope = jacobian.transpose() * r;
+  const Eigen::VectorXd step = information.ldlt().solve(slope);
+  look.foretold = r.squaredNorm() - slope.dot(step);
+  for (Eigen::Index j = 0; j < columns; ++j) {
+    const auto k = static_cast<std::size_t>(j);
+    look.x[k] = std::clamp(look.x[k] - step[j] * unknowns[k].scale, unknowns[k].lower, unknowns[k].upper);
+  }
+  return look;
+}
+
+}  // namespace
+
 double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& names,
                            const std::vector<std::size_t>& runs,
                            const std::vector<std::vector<double>>& known) {
   const Problem problem(evidence, names, runs, known);
-  constexpr double difference = 0.02;  // of the scale
   if (sticks(model_of(evidence, problem.layout, values_of(problem.started(problem.starts.front())))))
     return 0.0;
   double least = std::numeric_limits<double>::infinity();
-  for (const auto& start : problem.starts) {
-    const std::vector<Unknown> unknowns = problem.started(start);
-    const std::vector<double> x = values_of(unknowns);
-    std::vector<double> here;
-    if (!problem.residuals(x, false, {}, here)) continue;
-    const auto rows = static_cast<Eigen::Index>(here.size()), columns = static_cast<Eigen::Index>(x.size());
-    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, columns);
-    for (Eigen::Index j = 0; j < columns; ++j) {
-      const auto k = static_cast<std::size_t>(j);
-      std::vector<double> near = x, there;
-      near[k] += (x[k] + difference * unknowns[k].scale > unknowns[k].upper ? -1.0 : 1.0) * difference *
-                 unknowns[k].scale;
-      if (!problem.residuals(near, false, {}, there)) continue;
-      for (Eigen::Index i = 0; i < rows; ++i)
-        jacobian(i, j) = (there[static_cast<std::size_t>(i)] - here[static_cast<std::size_t>(i)]) /
-                         (near[k] - x[k]) * unknowns[k].scale;
-    }
-    const Eigen::Map<const Eigen::VectorXd> r(here.data(), rows);
-    Eigen::MatrixXd information = jacobian.transpose() * jacobian;
-    information.diagonal().array() += 1e-3 + 1e-9 * information.diagonal().maxCoeff();
-    const Eigen::VectorXd slope = jacobian.transpose() * r;
-    const double foretold = r.squaredNorm() - slope.dot(information.ldlt().solve(slope));
-    least = std::min(least, foretold);
-  }
+  for (const auto& start : problem.starts) least = std::min(least, look_from(problem, start).foretold);
   return least;
 }
 
@@ -298,20 +317,29 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
   const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
     return problem.residuals(x, in_loop, held, out);
   };
-  // Look from every start, then go on from the best.
-  FitResult best;
-  std::vector<std::pair<double, std::size_t>> looks;
-  for (std::size_t s = 0; s < problem.starts.size(); ++s) {
-    std::vector<double> residuals;
-    if (problem.starts.size() > 1) {
-      if (!function(values_of(problem.started(problem.starts[s])), residuals)) continue;
+  // A step from every start, then on from the two that lead furthest.
+  std::vector<std::vector<Unknown>> begins;
+  if (problem.starts.size() == 1) {
+    begins.push_back(problem.started(problem.starts.front()));
+  } else {
+    std::vector<std::pair<Look, std::size_t>> looks;
+    for (std::size_t s = 0; s < problem.starts.size(); ++s)
+      looks.emplace_back(look_from(problem, problem.starts[s]), s);
+    std::stable_sort(looks.begin(), looks.end(),
+                     [](const auto& a, const auto& b) { return a.first.foretold < b.first.foretold; });
+    looks.resize(2);
+    for (const auto& [look, s] : looks) {
+      if (!std::isfinite(look.foretold)) continue;
+      std::vector<Unknown> begin = problem.started(problem.starts[s]);
+      std::vector<double> before, after;
+      problem.residuals(values_of(begin), false, {}, before);
+      if (problem.residuals(look.x, false, {}, after) && square_sum(after) < square_sum(before))
+        for (std::size_t i = 0; i < begin.size(); ++i) begin[i].start = look.x[i];
+      begins.push_back(begin);
     }
-    looks.emplace_back(square_sum(residuals), s);
   }
-  std::sort(looks.begin(), looks.end());
-  if (looks.size() > 2) looks.resize(2);
-  for (const auto& look : looks) {
-    const std::vector<Unknown> unknowns = problem.started(problem.starts[look.second]);
+  FitResult best;
+  for (const std::vector<Unknown>& unknowns : begins) {
     held.clear();
     if (fluctuates) {
       try {

@@ -376,9 +376,13 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const Errors errors = errors_of(measured, nothing.model, best.model, evidence.noise);
   const double ratio = worst_ratio(errors);
   const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
+  const double unexplained =
+      explained > mostly_explained
+          ? 0.0
+          : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   if (!something)
     d.verdict = "no_residual";
-  else if (p_best < options.false_alarm_rate && (ratio < plainly_wrong || explained > mostly_explained))
+  else if (p_best < options.false_alarm_rate && unexplained < 0.5)
     d.verdict = "effect_found";
   else
     d.verdict = "unexplained";
@@ -393,10 +397,6 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const double highest = std::max_element(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
                            return a.score < b.score;
                          })->score;
-  const double unexplained =
-      explained > mostly_explained
-          ? 0.0
-          : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   double sum = 0.0;
   for (const Candidate& c : all) sum += std::exp(c.score - highest);
   for (const Candidate& c : all) {
@@ -406,7 +406,16 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     ranked.p_value = c.effects == best.effects ? p_best : 1.0;
     d.candidates.push_back(ranked);
   }
-  d.revised = d.verdict == "effect_found" ? best.model : d.before;
+  d.revised = d.before;
+  std::string corrected_channels;
+  if (d.verdict == "effect_found") {
+    d.revised = best.model;
+    for (const Correction& correction : remaining_corrections(best.model, measured, evidence.noise)) {
+      d.revised.corrections.push_back(correction);
+      corrected_channels +=
+          (corrected_channels.empty() ? "" : ", ") + std::string(name_of(correction.channel));
+    }
+  }
   d.error = errors_of(measured, d.before, d.revised, evidence.noise);
   if (!held_out.empty()) d.held_out_error = errors_of(held_out, d.before, d.revised, evidence.noise);
   d.left = ask_residual(evidence, d.revised, d.verdict == "effect_found" && best.fluctuates);
@@ -433,6 +442,12 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
       const effects::EffectType& type = effects::find_effect(name);
       d.evidence += fmt::format(" {}: {} {}", name, type.advice, type.identifiability);
     }
+    if (!corrected_channels.empty())
+      d.evidence += fmt::format(
+          " What the effect leaves of the level of {} is a smooth function of slip and load; the revised "
+          "twin adds "
+          "it as an empirical correction, which has no physical name.",
+          corrected_channels);
   } else {
     d.evidence = fmt::format(
         "The residual is more than noise: {}{}. No effect of the catalogue brings it to the noise level: the "
