@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "twin/fluctuation.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -215,7 +216,7 @@ std::vector<Correction> remaining_corrections(const TwinConfig& model,
   std::vector<Correction> found;
   if (runs.size() < least_runs) return found;
   std::vector<Residual> residuals;
-  for (const RunGrid* run : runs) residuals.push_back(residual_of(*run, simulate(model, *run)));
+  for (const RunGrid* run : runs) residuals.push_back(residual_of(*run, slow_course(model, *run)));
   for (int c = 0; c < channel_rows; ++c) {
     double foretold = 0.0;
     const Correction correction =

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double log_deviation_error = 0.4;  // of a stretch: few independent values, and what the twin misses
 constexpr double prior_widths = 3.0;         // of a parameter's scale
+/// Of a parameter that is read from the fluctuation: how far one realisation of an uneven bed is from
+/// another.
+constexpr double bed_to_bed = 0.15;
 
 /// Values of several effects one after another.
 struct Layout {
@@ -322,9 +325,21 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
   if (problem.starts.size() == 1) {
     begins.push_back(problem.started(problem.starts.front()));
   } else {
+    // Friction shows in the fluctuation only, which a step does not ask for: there the starts are compared.
+    const bool by_friction =
+        fluctuates && sticks(model_of(evidence, layout, values_of(problem.started(problem.starts.front()))));
     std::vector<std::pair<Look, std::size_t>> looks;
-    for (std::size_t s = 0; s < problem.starts.size(); ++s)
-      looks.emplace_back(look_from(problem, problem.starts[s]), s);
+    for (std::size_t s = 0; s < problem.starts.size(); ++s) {
+      if (!by_friction) {
+        looks.emplace_back(look_from(problem, problem.starts[s]), s);
+        continue;
+      }
+      Look look;
+      look.x = values_of(problem.started(problem.starts[s]));
+      std::vector<double> residuals;
+      if (problem.residuals(look.x, true, {}, residuals)) look.foretold = square_sum(residuals);
+      looks.emplace_back(look, s);
+    }
     std::stable_sort(looks.begin(), looks.end(),
                      [](const auto& a, const auto& b) { return a.first.foretold < b.first.foretold; });
     looks.resize(2);
@@ -333,7 +348,8 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
       std::vector<Unknown> begin = problem.started(problem.starts[s]);
       std::vector<double> before, after;
       problem.residuals(values_of(begin), false, {}, before);
-      if (problem.residuals(look.x, false, {}, after) && square_sum(after) < square_sum(before))
+      if (!by_friction && problem.residuals(look.x, false, {}, after) &&
+          square_sum(after) < square_sum(before))
         for (std::size_t i = 0; i < begin.size(); ++i) begin[i].start = look.x[i];
       begins.push_back(begin);
     }
@@ -365,9 +381,11 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
   std::size_t at = evidence.nuisance.size();
   for (const auto* type : layout.types) {
     candidate.errors.emplace_back();
+    const bool by_fluctuation = fluctuates && sticks(candidate.model);
     for (std::size_t i = 0; i < type->parameters.size(); ++i, ++at)
       candidate.errors.back().push_back(
-          std::sqrt(best.covariance(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(at))));
+          std::hypot(std::sqrt(best.covariance(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(at))),
+                     by_fluctuation ? bed_to_bed * best.x[at] : 0.0));
     candidate.parameters += static_cast<int>(type->parameters.size());
   }
   candidate.fluctuates = fluctuates;

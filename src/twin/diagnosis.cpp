@@ -75,10 +75,15 @@ Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& befo
   return errors;
 }
 
-/// The worst ratio of error to noise floor over the channels.
+/// The worst ratio of error to noise floor over the channels that the hidden cause disturbs: those that were
+/// little above the floor before, and are no worse now, speak of the baseline.
 double worst_ratio(const Errors& errors) {
   double worst = 0.0;
-  for (const auto& [channel, error] : errors) worst = std::max(worst, error.after / error.noise_floor);
+  for (const auto& [channel, error] : errors) {
+    const bool undisturbed =
+        error.before < plainly_wrong * error.noise_floor && error.after < 1.1 * error.before;
+    if (!undisturbed) worst = std::max(worst, error.after / error.noise_floor);
+  }
   return worst;
 }
 
