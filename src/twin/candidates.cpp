@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/error.h"
 #include "effects/catalogue.h"
@@ -259,6 +260,7 @@ namespace {
 struct Look {
   double foretold = std::numeric_limits<double>::infinity();  // chi-square there, were the residual linear
   std::vector<double> x;
+  Eigen::MatrixXd jacobian;  // by the unknowns in units of their scales
 };
 
 Look look_from(const Problem& problem, const std::vector<double>& start) {
@@ -271,7 +273,10 @@ Look look_from(const Problem& problem, const std::vector<double>& start) {
   const auto rows = static_cast<Eigen::Index>(here.size()),
              columns = static_cast<Eigen::Index>(look.x.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, columns);
-  for (Eigen::Index j = 0; j < columns; ++j) {
+  const Eigen::MatrixXd& known = problem.evidence.nuisance_columns;
+  const bool reuse = known.rows() == rows && known.cols() > 0;
+  if (reuse) jacobian.leftCols(known.cols()) = known;
+  for (Eigen::Index j = reuse ? known.cols() : 0; j < columns; ++j) {
     const auto k = static_cast<std::size_t>(j);
     std::vector<double> near = look.x, there;
     near[k] += (near[k] + difference * unknowns[k].scale > unknowns[k].upper ? -1.0 : 1.0) * difference *
@@ -291,6 +296,7 @@ Look look_from(const Problem& problem, const std::vector<double>& start) {
     const auto k = static_cast<std::size_t>(j);
     look.x[k] = std::clamp(look.x[k] - step[j] * unknowns[k].scale, unknowns[k].lower, unknowns[k].upper);
   }
+  look.jacobian = std::move(jacobian);
   return look;
 }
 
@@ -305,6 +311,15 @@ double foretold_chi_square(const Evidence& evidence, const std::vector<std::stri
   double least = std::numeric_limits<double>::infinity();
   for (const auto& start : problem.starts) least = std::min(least, look_from(problem, start).foretold);
   return least;
+}
+
+void begin_nuisance_at(Evidence& evidence, const Candidate& nothing) {
+  if (evidence.nuisance.empty()) return;
+  for (std::size_t i = 0; i < evidence.nuisance.size(); ++i) evidence.nuisance[i].start = nothing.nuisance[i];
+  std::vector<std::size_t> runs(evidence.runs.size());
+  std::iota(runs.begin(), runs.end(), std::size_t{0});
+  const Problem problem(evidence, {}, runs, {});
+  evidence.nuisance_columns = look_from(problem, {}).jacobian;
 }
 
 Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>& names,
@@ -378,6 +393,8 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
   if (!best.usable) return candidate;
   candidate.model = model_of(evidence, layout, best.x);
   candidate.values = layout.split(best.x);
+  candidate.nuisance.assign(best.x.begin(),
+                            best.x.begin() + static_cast<std::ptrdiff_t>(evidence.nuisance.size()));
   std::size_t at = evidence.nuisance.size();
   for (const auto* type : layout.types) {
     candidate.errors.emplace_back();

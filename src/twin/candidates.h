@@ -2,6 +2,7 @@
 // all channels and runs at once.
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,9 +15,11 @@ namespace wheel_twin::twin {
 
 /// What a candidate is fitted to and judged by. Pointers are not owned.
 struct Evidence {
-  TwinConfig baseline;            ///< calibrated, without effects
-  std::vector<Unknown> nuisance;  ///< baseline unknowns fitted along (no reference runs); empty: none
-  NoiseModel noise;               ///< of the measured runs
+  TwinConfig baseline;               ///< calibrated, without effects
+  std::vector<Unknown> nuisance;     ///< baseline unknowns fitted along (no reference runs); empty: none
+  Eigen::MatrixXd nuisance_columns;  ///< derivatives of all runs' residuals by them, in units of their
+                                     ///< scales; empty: taken anew at every look
+  NoiseModel noise;  ///< of the measured runs
   FluctuationModel fluctuation;
   std::vector<const RunGrid*> runs;                      ///< measured
   std::vector<std::vector<LogDeviation>> log_deviation;  ///< of each run, by stretch
@@ -30,6 +33,7 @@ struct Candidate {
   std::vector<std::string> effects;  ///< names; empty: nothing acts
   std::vector<std::vector<double>> values;
   std::vector<std::vector<double>> errors;  ///< standard errors
+  std::vector<double> nuisance;             ///< values of the evidence's nuisance
   TwinConfig model;
   bool usable = false;
   bool fluctuates = false;  ///< it changes how much channels fluctuate, and is simulated on an uneven bed
@@ -60,6 +64,9 @@ double draw_wire_delay(const TwinConfig& model);
 double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& effects,
                            const std::vector<std::size_t>& runs,
                            const std::vector<std::vector<double>>& known = {});
+
+/// Begins every later fit at the nuisance that `nothing` found, and takes its derivatives there once.
+void begin_nuisance_at(Evidence& evidence, const Candidate& nothing);
 
 /// Fits `effects` on the chosen runs, starting from several places; `known` gives start values for leading
 /// effects (those of a smaller candidate).

@@ -23,7 +23,9 @@ constexpr double most_bins = 130.0;       // of a run
 constexpr double good_enough = 1.3;       // error after over noise floor
 constexpr double plainly_wrong = 2.0;     // error after over noise floor at which nothing is explained
 constexpr double mostly_explained = 0.9;  // of the chi-square above what noise has
+constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
 constexpr double least_share = 0.05;      // of it that a second effect must explain
+constexpr double lag_tolerance = 0.1;     // s, between runs of one clock
 constexpr std::size_t refined = 8;        // candidates that are listed
 constexpr std::size_t fitted_singles = 14, fitted_pairs = 7;  // of those that promise most
 
@@ -85,6 +87,34 @@ double worst_ratio(const Errors& errors) {
     if (!undisturbed) worst = std::max(worst, error.after / error.noise_floor);
   }
   return worst;
+}
+
+/// The least share of a disturbed channel's squared error that is gone.
+double least_gone(const Errors& errors) {
+  double least = 1.0;
+  bool disturbed = false;
+  for (const auto& [channel, error] : errors) {
+    if (error.before < plainly_wrong * error.noise_floor) continue;
+    disturbed = true;
+    const double floor = good_enough * error.noise_floor;
+    const double left = std::max(0.0, error.after * error.after - floor * floor);
+    least = std::min(least, 1.0 - left / (error.before * error.before));
+  }
+  return disturbed ? least : 0.0;
+}
+
+/// The lag that most runs agree on; a clock is late in every run, a chance correlation in one.
+std::optional<double> common_lag(const std::vector<const RunGrid*>& runs) {
+  std::vector<double> lags;
+  for (const RunGrid* run : runs)
+    if (run->lag) lags.push_back(run->lag->seconds);
+  if (lags.size() < 2) return std::nullopt;
+  std::sort(lags.begin(), lags.end());
+  const double median = lags[lags.size() / 2];
+  const auto agreeing = std::count_if(lags.begin(), lags.end(),
+                                      [&](double lag) { return std::abs(lag - median) < lag_tolerance; });
+  if (2 * static_cast<std::size_t>(agreeing) <= lags.size() || agreeing < 2) return std::nullopt;
+  return median;
 }
 
 /// Noise of the measured runs: at least that of the reference runs, more where they fluctuate more.
@@ -300,25 +330,24 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   double reference_lag = 0.0;
   if (calibrated) {
     std::vector<Residual> reference_residuals;
-    int lags = 0;
-    for (const RunGrid* run : references) {
+    for (const RunGrid* run : references)
       reference_residuals.push_back(residual_of(*run, simulate(d.before, *run)));
-      if (run->lag) reference_lag += run->lag->seconds, ++lags;
-    }
-    if (lags > 0) reference_lag /= lags;
+    reference_lag = common_lag(references).value_or(0.0);
     evidence.fluctuation = fit_fluctuation(d.before, references, reference_residuals);
   } else {
     evidence.baseline.corrections.clear();
     d.before = evidence.baseline;
     evidence.nuisance = unknowns_beside_shape(calibration);
   }
+  const std::optional<double> measured_lag = common_lag(measured);
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
     evidence.calm.push_back(evidence.fluctuation.known
                                 ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation)
                                 : LogDeviation{});
-    evidence.lag.push_back(measured[r]->lag ? std::optional<double>(measured[r]->lag->seconds - reference_lag)
-                                            : std::nullopt);
+    const std::optional<Lag>& lag = measured[r]->lag;
+    const bool agrees = lag && measured_lag && std::abs(lag->seconds - *measured_lag) < lag_tolerance;
+    evidence.lag.push_back(agrees ? std::optional<double>(lag->seconds - reference_lag) : std::nullopt);
   }
   evidence.lag_error = 0.02;
 
@@ -327,6 +356,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   if (!nothing.usable)
     throw Error(experiment.name + ": the calibrated twin cannot carry the loads of the measured runs");
   d.before = nothing.model;
+  begin_nuisance_at(evidence, nothing);
 
   std::vector<Candidate> singles = tracing.every_effect(nothing);
   if (!singles.empty()) {
@@ -382,7 +412,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const double ratio = worst_ratio(errors);
   const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
   const double unexplained =
-      explained > mostly_explained
+      explained > mostly_explained || least_gone(errors) > nearly_gone
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   if (!something)
