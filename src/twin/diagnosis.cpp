@@ -23,6 +23,7 @@ constexpr double most_bins = 130.0;       // of a run
 constexpr double good_enough = 1.3;       // error after over noise floor
 constexpr double plainly_wrong = 2.0;     // error after over noise floor at which nothing is explained
 constexpr double mostly_explained = 0.9;  // of the chi-square above what noise has
+constexpr double never_explained = 6.0;   // error after over noise floor
 constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
 constexpr double least_share = 0.05;      // of it that a second effect must explain
 constexpr double lag_tolerance = 0.1;     // s, between runs of one clock
@@ -412,7 +413,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const double ratio = worst_ratio(errors);
   const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
   const double unexplained =
-      explained > mostly_explained || least_gone(errors) > nearly_gone
+      ratio < never_explained && (explained > mostly_explained || least_gone(errors) > nearly_gone)
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   if (!something)
