@@ -204,7 +204,8 @@ std::string bed_description(const GranularSoil& soil, const BedSettings& s) {
       s.fill_friction ? fmt::format("{}", *s.fill_friction) : "tuned");
 }
 
-System bed_world(const GranularSoil& soil, const BedSettings& s, double headroom, int threads) {
+System bed_world(const GranularSoil& soil, const BedSettings& s, double headroom, int threads,
+                 const SleepSettings& sleep) {
   WorldSettings world;
   const double pad_x = s.periodic_x ? 0.0 : 0.01;
   const double pad_y = s.periodic_y ? 0.0 : 0.01;
@@ -216,6 +217,7 @@ System bed_world(const GranularSoil& soil, const BedSettings& s, double headroom
   world.step_fraction = soil.step_fraction;
   world.smallest_size = soil.clumps.smallest_size * (1.0 - 1e-6);  // sizes are rounded to single precision
   world.threads = threads;
+  world.sleep = sleep;
   System system(world, soil.materials(), soil.clumps.shapes);
   const auto add_plane = [&](const char* name, const Eigen::Vector3d& point, const Eigen::Vector3d& normal) {
     Wall wall;
@@ -360,8 +362,9 @@ Bed fetch_bed(const GranularSoil& soil, const BedSettings& settings, int threads
       fetch("bed", description, [&] { return to_archive(make_bed(soil, settings, threads, checkpoint)); }));
 }
 
-System bed_system(const GranularSoil& soil, const Bed& bed, double headroom, int threads) {
-  System system = bed_world(soil, bed.settings, headroom, threads);
+System bed_system(const GranularSoil& soil, const Bed& bed, double headroom, int threads,
+                  const SleepSettings& sleep) {
+  System system = bed_world(soil, bed.settings, headroom, threads, sleep);
   system.restore(bed.state);
   return system;
 }

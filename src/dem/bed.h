@@ -56,7 +56,8 @@ std::string bed_description(const GranularSoil& soil, const BedSettings& setting
 
 /// An empty system with the floor (wall 0) and, where the bed is not periodic, its side walls. `headroom`:
 /// height of the domain above the surface, m.
-System bed_world(const GranularSoil& soil, const BedSettings& settings, double headroom, int threads);
+System bed_world(const GranularSoil& soil, const BedSettings& settings, double headroom, int threads,
+                 const SleepSettings& sleep = {});
 
 /// Fetches the bed from the cache, or makes it: minutes for a bed of 30,000 clumps, with a checkpoint every
 /// minute from which a killed run goes on. Throws Error naming what was out of reach.
@@ -67,7 +68,8 @@ Bed make_bed(const GranularSoil& soil, const BedSettings& settings, int threads 
              const std::string& checkpoint_path = "");
 
 /// A bed ready to step: bed_world with the bed's particles, contacts and walls.
-System bed_system(const GranularSoil& soil, const Bed& bed, double headroom, int threads);
+System bed_system(const GranularSoil& soil, const Bed& bed, double headroom, int threads,
+                  const SleepSettings& sleep = {});
 
 void write_bed(const std::string& path, const Bed& bed, const std::string& description);
 Bed read_bed(const std::string& path);

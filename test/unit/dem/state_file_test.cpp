@@ -121,6 +121,11 @@ TEST_F(StateFile, ABedIsMadeOnceAndFetchedAfter) {
   EXPECT_NEAR(made.report.floor_force, made.report.weight, 0.01 * made.report.weight);
   const Box region{{0.0, -0.02, -0.03}, {0.04, 0.02, 0.05}};
   EXPECT_NEAR(mean_height(height_map(a.spheres(), region, 0.001)), 0.0, 0.001);
+  SleepSettings sleep;
+  sleep.enabled = true;
+  System sleeping = bed_system(soil, made, 0.05, 1, sleep);
+  sleeping.step(3000);
+  EXPECT_GT(sleeping.statistics().sleeping, 9 * sleeping.size() / 10);
   unsetenv("WHEEL_TWIN_CACHE");
 }
 
