@@ -68,9 +68,9 @@ HWY_INLINE void StoreHistory(const ContactHistoryVector<VF>& h, float* const* co
 HWY_INLINE void StoreTrace(float* trace, std::size_t stride, std::size_t at, const Contact<VF>& c,
                            const ContactResponse<VF>& r) {
   const DF df;
-  const VF columns[Trace::kColumns] = {c.velocity.x, c.velocity.y,    c.velocity.z, r.force.x,
-                                       r.force.y,    r.force.z,       c.normal.x,   c.normal.y,
-                                       c.normal.z,   r.damping_normal};
+  const VF columns[Trace::kColumns] = {
+      c.velocity.x, c.velocity.y,     c.velocity.z, r.force.x, r.force.y, r.force.z,  c.normal.x, c.normal.y,
+      c.normal.z,   r.damping_normal, c.spin.x,     c.spin.y,  c.spin.z,  r.torque.x, r.torque.y, r.torque.z};
   for (int k = 0; k < Trace::kColumns; ++k) hn::StoreU(columns[k], df, trace + k * stride + at);
 }
 
@@ -245,7 +245,12 @@ ContactResult EvaluateWallsOf(const WallTask& task) {
     if (task.trace != nullptr) StoreTrace(task.trace, task.trace_stride, at, c, response);
     const Vector3<VD> force = RoundedTo(Wide(response.force), force_magic);
     Vector3<VD> torque = Cross(lever, force);
-    if constexpr (kRolling) torque = PlusScaled(torque, hn::Set(d, 1.0), Wide(response.torque));
+    if constexpr (kRolling) {
+      torque = PlusScaled(torque, hn::Set(d, 1.0), Wide(response.torque));
+      hn::StoreU(response.torque.x, df, contacts.moment[0].data() + at);
+      hn::StoreU(response.torque.y, df, contacts.moment[1].data() + at);
+      hn::StoreU(response.torque.z, df, contacts.moment[2].data() + at);
+    }
     hn::StoreU(force.x, d, contacts.force[0].data() + at);
     hn::StoreU(force.y, d, contacts.force[1].data() + at);
     hn::StoreU(force.z, d, contacts.force[2].data() + at);
@@ -300,7 +305,9 @@ void WallContacts::resize(std::size_t entries, bool rolls) {
     spin[k].resize(padded);
     shear[k].resize(padded);
     force[k].resize(padded);
-    if (rolls) rolling[k].resize(padded);
+    if (!rolls) continue;
+    rolling[k].resize(padded);
+    moment[k].resize(padded);
   }
 }
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "dem/system_impl.h"
@@ -5,45 +6,45 @@
 namespace wheel_twin::dem {
 namespace {
 
-/// Energy in the tangential spring: S_t = ratio 1.5 k_n sqrt(overlap), 1/2 S_t xi^2.
-double shear_energy(double stiffness, double shear_ratio, double overlap, double sx, double sy, double sz) {
-  return 0.75 * shear_ratio * stiffness * std::sqrt(overlap) * (sx * sx + sy * sy + sz * sz);
-}
-double normal_energy(double stiffness, double overlap) {
-  return 0.4 * stiffness * std::pow(overlap, 2.5);
+Eigen::Vector3d column_vector(const float* trace, std::size_t stride, int first) {
+  return {trace[first * stride], trace[(first + 1) * stride], trace[(first + 2) * stride]};
 }
 
-/// Energy in the rolling spring, 1/2 k_r angle^2 with k_r = 2.25 k_n sqrt(overlap) (mu_r R)^2.
-double rolling_energy(double stiffness, double overlap, double arm, double ax, double ay, double az) {
-  return 1.125 * stiffness * std::sqrt(overlap) * arm * arm * (ax * ax + ay * ay + az * az);
+Eigen::Vector3d tangential_force(const float* trace, std::size_t stride) {
+  const Eigen::Vector3d force = column_vector(trace, stride, Trace::kForce);
+  const Eigen::Vector3d normal = column_vector(trace, stride, Trace::kNormal);
+  return force - force.dot(normal) * normal;
 }
 
 }  // namespace
 
-void LossBook::record(std::uint64_t key, const float* trace, std::size_t stride, double stored,
+void LossBook::record(std::uint64_t key, const float* trace, std::size_t stride, double sign, double stored,
                       double time_step, std::int64_t step) {
-  const auto value = [&](int column) { return static_cast<double>(trace[column * stride]); };
-  const Eigen::Vector3d velocity(value(Trace::kVelocity), value(Trace::kVelocity + 1),
-                                 value(Trace::kVelocity + 2));
-  const Eigen::Vector3d force(value(Trace::kForce), value(Trace::kForce + 1), value(Trace::kForce + 2));
-  const Eigen::Vector3d normal(value(Trace::kNormal), value(Trace::kNormal + 1), value(Trace::kNormal + 2));
-  const double damping = value(Trace::kDamping);
-  const Eigen::Vector3d tangential = force - force.dot(normal) * normal;
   const auto before = entries_.find(key);
   const bool known = before != entries_.end() && before->second.step == step - 1;
-  if (!known && force.isZero(0.0)) return;
-  Entry old;
-  if (known) old = before->second;
-  const Eigen::Vector3d old_tangential(old.tangential[0], old.tangential[1], old.tangential[2]);
-  const double sliding = 0.5 * (tangential + old_tangential).dot(velocity) * time_step;
-  damped -= 0.5 * (damping + old.damping) * velocity.dot(normal) * time_step;
-  friction -= sliding + (stored - old.stored);
+  if (!known && column_vector(trace, stride, Trace::kForce).isZero(0.0)) return;
+  const Entry old = known ? before->second : Entry{};
+  const Eigen::Vector3d velocity = column_vector(trace, stride, Trace::kVelocity);
+  const Eigen::Vector3d normal = column_vector(trace, stride, Trace::kNormal);
   Entry now;
-  now.tangential = {tangential.x(), tangential.y(), tangential.z()};
-  now.damping = damping;
+  now.tangential = sign * tangential_force(trace, stride);
+  now.moment = sign * column_vector(trace, stride, Trace::kMoment);
+  now.damping = trace[Trace::kDamping * stride];
   now.stored = stored;
   now.step = step;
+  const double work = (now.tangential + old.tangential).dot(sign * velocity) +
+                      (now.moment + old.moment).dot(sign * column_vector(trace, stride, Trace::kSpin));
+  damped -= 0.5 * (now.damping + old.damping) * velocity.dot(normal) * time_step;
+  friction -= 0.5 * work * time_step + (stored - old.stored);
   entries_[key] = now;
+}
+
+void LossBook::put_to_rest(std::uint64_t key, const float* trace, std::size_t stride, double sign) {
+  const auto entry = entries_.find(key);
+  if (entry == entries_.end()) return;
+  entry->second.tangential = sign * tangential_force(trace, stride);
+  entry->second.moment = sign * column_vector(trace, stride, Trace::kMoment);
+  entry->second.damping = 0.0;
 }
 
 void LossBook::keep(std::uint64_t key, std::int64_t step) {
@@ -63,49 +64,114 @@ void LossBook::forget_old(std::int64_t step) {
   }
 }
 
+std::uint64_t System::Impl::pair_key(std::uint32_t a, std::uint32_t b) {
+  return a < b ? std::uint64_t{a} << 32U | b : std::uint64_t{b} << 32U | a;
+}
+
+std::uint64_t System::Impl::wall_key(const WallSet::Touch& touch) const {
+  return std::uint64_t{number_of(touch.sphere)} << 32U | 0x80000000U | (touch.part & 0x7ffU) << 20U |
+         (touch.facet & 0xfffffU);
+}
+
+System::Impl::ContactEnergy System::Impl::energy_of(const PairList& list, std::size_t n) const {
+  const auto& c = list.columns;
+  const std::uint32_t pair = many_laws ? list.law[n] : 0;
+  const double ra = spheres.row[list.i[n]].radius;
+  const double rb = spheres.row[list.j[n]].radius;
+  std::array<double, 6> springs{};
+  for (int k = 0; k < 3; ++k) {
+    springs[k] = c[PairList::kShear + k][n];
+    if (law.rolling) springs[3 + k] = c[PairList::kRolling + k][n];
+  }
+  return contact_energy(c[PairList::kStiffness][n], c[PairList::kOverlap][n], ra * rb / (ra + rb), pair,
+                        springs);
+}
+
+System::Impl::ContactEnergy System::Impl::energy_of(const WallContacts& contacts, std::size_t k) const {
+  std::array<double, 6> springs{};
+  for (int a = 0; a < 3; ++a) {
+    springs[a] = contacts.shear[a][k];
+    if (law.rolling) springs[3 + a] = contacts.rolling[a][k];
+  }
+  return contact_energy(contacts.stiffness[k], contacts.overlap[k], spheres.row[contacts.sphere[k]].radius,
+                        contacts.law[k], springs);
+}
+
+// Tangential spring: S_t = ratio 1.5 k_n sqrt(d), 1/2 S_t xi^2. Rolling spring: 1/2 k_r angle^2 with k_r =
+// 2.25 k_n sqrt(d) (mu_r R)^2. Cohesion: k 2 pi R d is the derivative of k pi R d^2.
+System::Impl::ContactEnergy System::Impl::contact_energy(double stiffness, double overlap, double radius,
+                                                         std::uint32_t pair,
+                                                         const std::array<double, 6>& springs) const {
+  const Eigen::Map<const Eigen::Vector3d> shear(springs.data());
+  const Eigen::Map<const Eigen::Vector3d> rolling(springs.data() + 3);
+  const double root = stiffness * std::sqrt(overlap);
+  const double arm = laws.rolling[pair] * radius;
+  ContactEnergy energy;
+  energy.springs = 0.75 * laws.shear_ratio[pair] * root * shear.squaredNorm() +
+                   1.125 * root * arm * arm * rolling.squaredNorm();
+  energy.normal = 0.4 * root * overlap * overlap - M_PI * laws.cohesion[pair] * radius * overlap * overlap;
+  return energy;
+}
+
 void System::Impl::record_losses() {
-  const auto number_of = [&](std::uint32_t sphere) {
-    const std::uint32_t b = spheres.body[sphere];
-    return static_cast<std::uint64_t>(first_sphere_of_rank[bodies.rank[b]]) + (sphere - bodies.first[b]);
-  };
   for (std::size_t p = 0; p < lists.size(); ++p) {
     const PairList& list = lists[p];
     for (std::size_t n = 0; n < list.size; ++n) {
       if (list.i[n] >= spheres.count) continue;
-      const std::uint32_t pair = many_laws ? list.law[n] : 0;
-      const auto& columns = list.columns;
-      const double stored = shear_energy(columns[PairList::kStiffness][n], laws.shear_ratio[pair],
-                                         columns[PairList::kOverlap][n], columns[PairList::kShear][n],
-                                         columns[PairList::kShear + 1][n], columns[PairList::kShear + 2][n]);
-      const std::uint64_t a = number_of(list.i[n]);
-      const std::uint64_t b = number_of(list.j[n]);
-      losses.record(a < b ? a << 32U | b : b << 32U | a, traces[p].data() + n, list.size, stored, time_step,
-                    step);
+      const std::uint32_t a = number_of(list.i[n]);
+      const std::uint32_t b = number_of(list.j[n]);
+      losses.record(pair_key(a, b), traces[p].data() + n, list.size, a < b ? 1.0 : -1.0,
+                    energy_of(list, n).springs, time_step, step);
     }
   }
-  double power = 0.0;
-  for (const auto& part : walls.parts()) power += part.power;
-  losses.wall_work += 0.5 * (power + losses.last_wall_power) * time_step;
-  losses.last_wall_power = power;
-  for (const auto& h : dormant) losses.keep(std::uint64_t{h.a} << 32U | h.b, step);
+  for (auto& part : walls.parts()) {
+    const Motion& motion = part.wall.motion;
+    for (int a = 0; a < 3; ++a) {
+      losses.wall_work -= 0.5 * time_step *
+                          ((part.wrench[a] + part.booked[a]) * motion.velocity[a] +
+                           (part.wrench[3 + a] + part.booked[3 + a]) * motion.angular_velocity[a]);
+    }
+    std::copy(part.wrench, part.wrench + 6, part.booked);
+  }
+  for (const auto& h : dormant) losses.keep(pair_key(h.a, h.b), step);
   for (std::size_t t = 0; t < walls.threads() && !walls.parts().empty(); ++t) {
+    if (t >= team->size()) {
+      for (const auto& touch : walls.touches(t)) losses.keep(wall_key(touch), step);
+      continue;
+    }
     const WallContacts& contacts = walls.contacts(t);
-    const std::size_t stride = contacts.sphere.size();
     for (std::size_t k = 0; k < contacts.size; ++k) {
-      const auto& touch = walls.touches(t)[k];
-      const double stored =
-          shear_energy(contacts.stiffness[k], laws.shear_ratio[contacts.law[k]], contacts.overlap[k],
-                       contacts.shear[0][k], contacts.shear[1][k], contacts.shear[2][k]);
-      const std::uint64_t key = number_of(touch.sphere) << 32U | 0x80000000U | (touch.part & 0x7ffU) << 20U |
-                                (touch.facet & 0xfffffU);
-      if (t >= team->size()) {
-        losses.keep(key, step);
-        continue;
-      }
-      losses.record(key, walls.trace(t).data() + k, stride, stored, time_step, step);
+      losses.record(wall_key(walls.touches(t)[k]), walls.trace(t).data() + k, contacts.sphere.size(), 1.0,
+                    energy_of(contacts, k).springs, time_step, step);
     }
   }
   losses.forget_old(step);
+}
+
+void System::Impl::book_rest(const PairList& list, const Column<float>& trace) {
+  for (std::size_t n = 0; n < dormant.size(); ++n)
+    losses.put_to_rest(pair_key(dormant[n].a, dormant[n].b), trace.data() + n, list.size, 1.0);
+  const std::size_t slot = team->size();
+  if (walls.parts().empty()) return;
+  const std::size_t stride = walls.contacts(slot).sphere.size();
+  for (std::size_t k = 0; k < walls.contacts(slot).size; ++k)
+    losses.put_to_rest(wall_key(walls.touches(slot)[k]), walls.trace(slot).data() + k, stride, 1.0);
+}
+
+void System::Impl::book_crossings(const std::array<Column<double>, 2>& before) {
+  for (int a = 0; a < 2; ++a) {
+    const double jump = settings.gravity[a] * period.length[a];
+    if (jump == 0.0) continue;
+    for (std::size_t b = 0; b < awake_end; ++b) {
+      const double crossed = std::round((before[a][b] - bodies.x[a][b]) * period.inverse[a]);
+      losses.crossings -= crossed * jump * mass_of(b);
+    }
+  }
+}
+
+double System::Impl::kinetic_energy(std::size_t b) const {
+  const Eigen::Vector3d momentum = full_momentum(b);
+  return 0.5 * mass_of(b) * full_velocity(b).squaredNorm() + 0.5 * momentum.dot(spin_of(b, momentum));
 }
 
 EnergyBook System::energy() const {
@@ -113,49 +179,29 @@ EnergyBook System::energy() const {
   EnergyBook book;
   for (std::size_t b = 0; b < s.bodies.count; ++b) {
     const double mass = s.mass_of(b);
-    const Eigen::Vector3d momentum = s.full_momentum(b);
-    book.kinetic +=
-        0.5 * mass * s.full_velocity(b).squaredNorm() + 0.5 * momentum.dot(s.spin_of(b, momentum));
+    book.kinetic += s.kinetic_energy(b);
     book.potential -=
         mass * s.settings.gravity.dot(Eigen::Vector3d(s.bodies.x[0][b], s.bodies.x[1][b], s.bodies.x[2][b]));
   }
+  book.potential += s.losses.crossings;
+  const auto add = [&](const Impl::ContactEnergy& contact) {
+    book.elastic += contact.normal + contact.springs;
+  };
   for (const auto& list : s.lists) {
     for (std::size_t n = 0; n < list.size; ++n) {
-      const auto& c = list.columns;
-      const double overlap = c[PairList::kOverlap][n];
-      if (overlap == 0.0) continue;
-      const std::uint32_t pair = s.many_laws ? list.law[n] : 0;
-      const double ra = s.spheres.row[list.i[n]].radius;
-      const double rb = s.spheres.row[list.j[n]].radius;
-      const double radius = ra * rb / (ra + rb);
-      book.elastic +=
-          normal_energy(c[PairList::kStiffness][n], overlap) +
-          shear_energy(c[PairList::kStiffness][n], s.laws.shear_ratio[pair], overlap, c[PairList::kShear][n],
-                       c[PairList::kShear + 1][n], c[PairList::kShear + 2][n]) -
-          M_PI * s.laws.cohesion[pair] * radius * overlap * overlap;
-      if (s.law.rolling) {
-        book.elastic += rolling_energy(c[PairList::kStiffness][n], overlap, s.laws.rolling[pair] * radius,
-                                       c[PairList::kRolling][n], c[PairList::kRolling + 1][n],
-                                       c[PairList::kRolling + 2][n]);
-      }
+      if (list.columns[PairList::kOverlap][n] != 0.0F) add(s.energy_of(list, n));
     }
+  }
+  if (!s.stale && !s.dormant.empty()) {
+    std::vector<std::uint32_t> place_of(s.spheres.count);
+    for (std::uint32_t k = 0; k < s.spheres.count; ++k) place_of[s.number_of(k)] = k;
+    const PairList resting = s.dormant_list(place_of);
+    for (std::size_t n = 0; n < s.dormant.size(); ++n) add(s.energy_of(resting, n));
   }
   for (std::size_t t = 0; t < s.walls.threads() && !s.stale; ++t) {
     const WallContacts& contacts = s.walls.contacts(t);
-    const auto& touches = s.walls.touches(t);
-    for (std::size_t k = 0; k < std::min(contacts.size, touches.size()); ++k) {
-      const double overlap = contacts.overlap[k];
-      const double radius = s.spheres.row[contacts.sphere[k]].radius;
-      book.elastic += normal_energy(contacts.stiffness[k], overlap) +
-                      shear_energy(contacts.stiffness[k], s.laws.shear_ratio[contacts.law[k]], overlap,
-                                   contacts.shear[0][k], contacts.shear[1][k], contacts.shear[2][k]) -
-                      M_PI * s.laws.cohesion[contacts.law[k]] * radius * overlap * overlap;
-      if (s.law.rolling) {
-        book.elastic +=
-            rolling_energy(contacts.stiffness[k], overlap, s.laws.rolling[contacts.law[k]] * radius,
-                           contacts.rolling[0][k], contacts.rolling[1][k], contacts.rolling[2][k]);
-      }
-    }
+    for (std::size_t k = 0; k < std::min(contacts.size, s.walls.touches(t).size()); ++k)
+      add(s.energy_of(contacts, k));
   }
   book.damped = s.losses.damped;
   book.friction = s.losses.friction;

@@ -56,7 +56,7 @@ struct ContactTask {
   Quanta quanta;
   ContactLaw law;
   double time_step = 0.0;
-  float* trace = nullptr;  ///< energy book: kTraceColumns columns of `trace_stride`
+  float* trace = nullptr;  ///< energy book: Trace::kColumns columns of `trace_stride`
   std::size_t trace_stride = 0;
 };
 
@@ -66,7 +66,9 @@ struct Trace {
   static constexpr int kForce = 3;     ///< 3 columns, on a, N
   static constexpr int kNormal = 6;    ///< 3 columns
   static constexpr int kDamping = 9;   ///< damping part of the normal force, N
-  static constexpr int kColumns = 10;
+  static constexpr int kSpin = 10;     ///< 3 columns, angular velocity, rad/s
+  static constexpr int kMoment = 13;   ///< 3 columns, that resists rolling, on a, N m
+  static constexpr int kColumns = 16;
 };
 
 struct ContactResult {
@@ -86,6 +88,7 @@ struct WallContacts {
   Column<std::uint8_t> law;
   Column<float> shear[3], overlap, rolling[3];  ///< history, replaced
   Column<double> force[3];                      ///< on the sphere, rounded; output
+  Column<float> moment[3];  ///< that resists rolling, on the sphere; output, only with rolling friction
   void resize(std::size_t entries, bool rolls);
 };
 

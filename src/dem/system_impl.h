@@ -38,20 +38,24 @@ class LossBook {
   /// What a contact did in the last step: the part of the force that is not conservative, and its stored
   /// energy.
   struct Entry {
-    std::array<double, 3> tangential{};
+    Eigen::Vector3d tangential{0.0, 0.0, 0.0};
+    Eigen::Vector3d moment{0.0, 0.0, 0.0};  ///< that resists rolling
     double damping = 0.0;
-    double stored = 0.0;  ///< in the tangential spring, J
+    double stored = 0.0;  ///< in the tangential and the rolling spring, J
     std::int64_t step = -1;
   };
-  void record(std::uint64_t key, const float* trace, std::size_t stride, double stored, double time_step,
-              std::int64_t step);
+  /// `sign`: -1 when the trace is that of the second of the pair relative to the first.
+  void record(std::uint64_t key, const float* trace, std::size_t stride, double sign, double stored,
+              double time_step, std::int64_t step);
   void forget_old(std::int64_t step);
-  /// The contact sleeps: it stays in the book as it is.
+  /// The contact sleeps: it stays in the book.
   void keep(std::uint64_t key, std::int64_t step);
+  /// The contact has fallen asleep: nothing moves, and from here on it exerts what `trace` says.
+  void put_to_rest(std::uint64_t key, const float* trace, std::size_t stride, double sign);
   double damped = 0.0;
   double friction = 0.0;
   double wall_work = 0.0;
-  double last_wall_power = 0.0;
+  double crossings = 0.0;  ///< potential energy that leaving one side and entering the other would change, J
 
  private:
   std::unordered_map<std::uint64_t, Entry> entries_;
@@ -87,6 +91,9 @@ struct System::Impl {
   void part_dormant(const std::vector<std::uint32_t>& place_of);
   void freeze(const std::vector<std::uint32_t>& place_of);
   void reset_sleepers();
+  PairList dormant_list(const std::vector<std::uint32_t>& place_of) const;
+  void set_asleep(std::size_t body, bool asleep);
+  void wake_pressed();
   std::size_t cell_of(std::size_t body) const;
   bool loud_nearby(std::size_t cell) const;
 
@@ -95,11 +102,34 @@ struct System::Impl {
   void evaluate();
   [[noreturn]] void blame_outside() const;
   [[noreturn]] void blame_overlap() const;
-  void record_losses();
   MotionTask motion_task();
+  /// `trace` is made to fit and used when the energy is tracked.
+  ContactTask contact_task(PairList& pairs, Column<float>& trace);
+  ContactResult evaluate_walls_of(std::size_t slot);
+
+  // energy.cpp
+  void record_losses();
+  void book_rest(const PairList& list, const Column<float>& trace);
+  void book_crossings(const std::array<Column<double>, 2>& before);
+  struct ContactEnergy {
+    double normal = 0.0;   ///< J, cohesion included
+    double springs = 0.0;  ///< tangential and rolling, J
+  };
+  ContactEnergy energy_of(const PairList& list, std::size_t n) const;
+  ContactEnergy energy_of(const WallContacts& contacts, std::size_t k) const;
+  ContactEnergy contact_energy(double stiffness, double overlap, double radius, std::uint32_t pair,
+                               const std::array<double, 6>& springs) const;
+  static std::uint64_t pair_key(std::uint32_t number_a, std::uint32_t number_b);
+  std::uint64_t wall_key(const WallSet::Touch& touch) const;
 
   // system_views.cpp
   double mass_of(std::size_t body) const { return 1.0 / bodies.inverse_mass[body]; }
+  /// Public number of the sphere at this place.
+  std::uint32_t number_of(std::uint32_t sphere) const {
+    const std::uint32_t b = spheres.body[sphere];
+    return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
+  }
+  double kinetic_energy(std::size_t body) const;
   Eigen::Vector3d full_velocity(std::size_t body) const;
   Eigen::Vector3d full_momentum(std::size_t body) const;
   Eigen::Matrix3d rotation(std::size_t body) const;

@@ -43,10 +43,6 @@ void System::Impl::build_outer() {
   if (!stale) pending = collect_histories();
   // The walls' touches name spheres by place; hold them by number while the bodies move in memory.
   std::vector<WallSet::Touch> touches = walls.take_touches();
-  const auto number_of = [&](std::uint32_t sphere) {
-    const std::uint32_t b = spheres.body[sphere];
-    return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
-  };
   for (auto& touch : touches) touch.sphere = number_of(touch.sphere);
   const double cell = 2.0 * outer_cap;  // about a sphere's radius
   permute(bodies, spheres, shapes, spatial_order(bodies, period, 3.0 * cell));
@@ -177,10 +173,6 @@ void System::Impl::tune() {
 
 std::vector<ContactHistory> System::Impl::collect_histories() const {
   std::vector<ContactHistory> histories;
-  const auto number_of = [&](std::uint32_t sphere) {
-    const std::uint32_t b = spheres.body[sphere];
-    return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
-  };
   for (const auto& list : lists) {
     for (std::size_t n = 0; n < list.size; ++n) {
       const float overlap = list.columns[PairList::kOverlap][n];
@@ -212,10 +204,6 @@ void System::Impl::distribute_histories(const std::vector<ContactHistory>& histo
   for (auto& list : lists) {
     for (std::size_t n = 0; n < list.size; ++n) {
       if (list.i[n] >= spheres.count) continue;
-      const auto number_of = [&](std::uint32_t sphere) {
-        const std::uint32_t b = spheres.body[sphere];
-        return first_sphere_of_rank[bodies.rank[b]] + (sphere - bodies.first[b]);
-      };
       std::uint32_t a = number_of(list.i[n]);
       std::uint32_t b = number_of(list.j[n]);
       const float sign = a < b ? 1.0F : -1.0F;

@@ -132,14 +132,34 @@ void System::Impl::check_sleep() {
   if (!changed) return;
   for (std::size_t b = 0; b < bodies.count; ++b) {
     const std::uint8_t sleeps = quiet[cell_of(b)] == kAsleep ? 1 : 0;
-    if (sleeps == bodies.asleep[b]) continue;
-    if (sleeps != 0) {
-      const Eigen::Vector3d momentum = full_momentum(b);
-      losses.damped +=
-          0.5 * mass_of(b) * full_velocity(b).squaredNorm() + 0.5 * momentum.dot(spin_of(b, momentum));
-      for (int a = 0; a < 3; ++a) bodies.v[a][b] = bodies.l[a][b] = 0.0;
+    if (sleeps != bodies.asleep[b]) set_asleep(b, sleeps != 0);
+  }
+  regroup = true;
+}
+
+void System::Impl::set_asleep(std::size_t b, bool asleep) {
+  const double before = kinetic_energy(b);
+  bodies.asleep[b] = asleep ? 1 : 0;
+  for (int a = 0; a < 3 && asleep; ++a) bodies.v[a][b] = bodies.l[a][b] = 0.0;
+  losses.damped += before - kinetic_energy(b);
+}
+
+// A wall that sleepers touch starts to move: without them its first steps would do no work.
+void System::Impl::wake_pressed() {
+  if (!stale && awake_end == bodies.count) return;
+  // Stale: the touches do not lie apart yet.
+  bool pressed = false;
+  for (std::size_t t = stale ? 0 : team->size(); t < walls.threads(); ++t) {
+    for (const auto& touch : walls.touches(t)) {
+      const std::uint32_t b = spheres.body[touch.sphere];
+      if (bodies.asleep[b] == 0 || !walls.parts()[touch.part].moves()) continue;
+      quiet[cell_of(b)] = 0;
+      pressed = true;
     }
-    bodies.asleep[b] = sleeps;
+  }
+  if (!pressed) return;
+  for (std::size_t b = 0; b < bodies.count; ++b) {
+    if (bodies.asleep[b] != 0 && quiet[cell_of(b)] != kAsleep) set_asleep(b, false);
   }
   regroup = true;
 }
@@ -149,8 +169,9 @@ void System::Impl::wake_all() {
   std::fill(quiet.begin(), quiet.end(), 0U);
   looked_at.clear();
   for (std::size_t b = 0; b < bodies.count; ++b) {
-    if (bodies.asleep[b] != 0) regroup = true;
-    bodies.asleep[b] = 0;
+    if (bodies.asleep[b] == 0) continue;
+    set_asleep(b, false);
+    regroup = true;
   }
 }
 
@@ -175,10 +196,7 @@ void System::Impl::part_dormant(const std::vector<std::uint32_t>& place_of) {
                          touched_sleepers.end());
 }
 
-// Sleeping bodies have no velocity and keep their places, so that this gives the same bits whenever it is
-// done; the histories stay as they were when the bodies fell asleep.
-void System::Impl::freeze(const std::vector<std::uint32_t>& place_of) {
-  for (std::size_t b = awake_end; b < bodies.count; ++b) bodies.load[b] = LoadRow{};
+PairList System::Impl::dormant_list(const std::vector<std::uint32_t>& place_of) const {
   PairList list;
   for (const auto& h : dormant) {
     list.i.push_back(place_of[h.a]);
@@ -206,25 +224,25 @@ void System::Impl::freeze(const std::vector<std::uint32_t>& place_of) {
       list.columns[PairList::kRolling + c][n] = dormant[n].rolling[c];
     }
   }
-  ContactTask task;
-  task.pairs = &list;
-  task.spheres = &spheres;
-  task.bodies = &bodies;
-  task.laws = &laws;
-  task.period = &period;
-  task.quanta = quanta;
-  task.law = law;
-  task.time_step = time_step;
-  evaluate_pairs(task, 0, list.size);
+  return list;
+}
+
+// Sleeping bodies have no velocity and keep their places, so that this gives the same bits whenever it is
+// done; the histories stay as they were when the bodies fell asleep.
+void System::Impl::freeze(const std::vector<std::uint32_t>& place_of) {
+  for (std::size_t b = awake_end; b < bodies.count; ++b) bodies.load[b] = LoadRow{};
+  PairList list = dormant_list(place_of);
+  Column<float> trace;
+  evaluate_pairs(contact_task(list, trace), 0, list.size);
   const std::size_t slot = team->size();
   if (!walls.parts().empty()) {
     const std::vector<WallSet::Touch> touches = walls.touches(slot);
     walls.find_inner(slot, bodies, spheres, period, *coefficients);
-    walls.collect(slot, spheres, period, law.rolling);
-    WallTask wall_task{&walls.contacts(slot), &spheres, &bodies, &laws, quanta, law, time_step, nullptr, 0};
-    evaluate_walls(wall_task);
-    walls.finish(slot, quanta, law.rolling);
+    evaluate_walls_of(slot);
+    if (settings.track_energy) book_rest(list, trace);
     walls.touches(slot) = touches;
+  } else if (settings.track_energy) {
+    book_rest(list, trace);
   }
   frozen.assign(awake_end < bodies.count ? bodies.count : 0, LoadRow{});
   for (std::size_t b = awake_end; b < bodies.count; ++b) frozen[bodies.rank[b]] = bodies.load[b];

@@ -41,8 +41,7 @@ State System::state() const {
   for (std::size_t t = 0; t < s.walls.threads(); ++t) {
     for (const auto& touch : s.walls.touches(t)) {
       ContactHistory h;
-      const std::uint32_t b = bodies.rank[s.spheres.body[touch.sphere]];
-      h.a = s.first_sphere_of_rank[b] + (touch.sphere - bodies.first[s.index_of_rank[b]]);
+      h.a = s.number_of(touch.sphere);
       h.b = touch.part;
       h.facet = touch.facet;
       h.overlap = touch.overlap;

@@ -22,7 +22,10 @@ MotionTask System::Impl::motion_task() {
 
 void System::Impl::step_once() {
   // Who sleeps must be known before anything moves.
-  if (settings.sleep.enabled && (regroup || stale)) refresh();
+  if (settings.sleep.enabled) {
+    wake_pressed();
+    if (regroup || stale) refresh();
+  }
   Stopwatch watch;
   const double wall_slack = walls.advance(time_step);
   const MotionTask motion = motion_task();
@@ -32,6 +35,8 @@ void System::Impl::step_once() {
     stale = stale || (pending = collect_histories(), true);
     renumber();
   }
+  std::array<Column<double>, 2> places;
+  if (settings.track_energy) places = {bodies.x[0], bodies.x[1]};
   team->run([&](std::size_t t) {
     const std::size_t end = t + 1 == team->size() ? padded : bounds[t + 1];
     moved[t] = move_bodies(motion, bounds[t], end);
@@ -42,6 +47,7 @@ void System::Impl::step_once() {
     if (result.outside) blame_outside();
     slack = std::min(slack, static_cast<double>(result.smallest_slack));
   }
+  if (settings.track_energy) book_crossings(places);
   cost.seconds_motion += watch.lap();
   if (stale || coefficients_stale || !(slack >= 0.0)) {
     refresh();
@@ -55,8 +61,9 @@ void System::Impl::step_once() {
   if (settings.sleep.enabled) check_sleep();
 }
 
-void System::Impl::evaluate() {
+ContactTask System::Impl::contact_task(PairList& pairs, Column<float>& trace) {
   ContactTask task;
+  task.pairs = &pairs;
   task.spheres = &spheres;
   task.bodies = &bodies;
   task.laws = &laws;
@@ -64,35 +71,39 @@ void System::Impl::evaluate() {
   task.quanta = quanta;
   task.law = law;
   task.time_step = time_step;
-  const std::size_t parts = lists.size();
   if (settings.track_energy) {
-    traces.resize(parts);
-    for (std::size_t p = 0; p < parts; ++p) traces[p].resize(Trace::kColumns * lists[p].size);
+    trace.resize(Trace::kColumns * pairs.size);
+    task.trace = trace.data();
+    task.trace_stride = pairs.size;
   }
+  return task;
+}
+
+ContactResult System::Impl::evaluate_walls_of(std::size_t slot) {
+  walls.collect(slot, spheres, period, law.rolling);
+  WallTask task{&walls.contacts(slot), &spheres, &bodies, &laws, quanta, law, time_step, nullptr, 0};
+  if (settings.track_energy) {
+    task.trace_stride = task.contacts->sphere.size();
+    walls.trace(slot).resize(Trace::kColumns * task.trace_stride);
+    task.trace = walls.trace(slot).data();
+  }
+  const ContactResult result = evaluate_walls(task);
+  walls.finish(slot, quanta, law.rolling);
+  return result;
+}
+
+void System::Impl::evaluate() {
+  const std::size_t parts = lists.size();
+  traces.resize(parts);
   std::vector<ContactResult> results(2 * parts);
   const auto pairs_of = [&](std::size_t part) {
-    ContactTask own = task;
-    own.pairs = &lists[part];
-    if (settings.track_energy) {
-      own.trace = traces[part].data();
-      own.trace_stride = lists[part].size;
-    }
-    return evaluate_pairs(own, 0, lists[part].size);
+    return evaluate_pairs(contact_task(lists[part], traces[part]), 0, lists[part].size);
   };
   team->run([&](std::size_t t) {
     results[t] = pairs_of(t);
     if (walls.parts().empty()) return;
     Stopwatch watch;
-    walls.collect(t, spheres, period, law.rolling);
-    WallTask wall_task{&walls.contacts(t), &spheres, &bodies, &laws, quanta, law, time_step, nullptr, 0};
-    if (settings.track_energy) {
-      const std::size_t stride = wall_task.contacts->sphere.size();
-      walls.trace(t).resize(Trace::kColumns * stride);
-      wall_task.trace = walls.trace(t).data();
-      wall_task.trace_stride = stride;
-    }
-    results[parts + t] = evaluate_walls(wall_task);
-    walls.finish(t, quanta, law.rolling);
+    results[parts + t] = evaluate_walls_of(t);
     if (t == 0) cost.seconds_walls += watch.lap();
   });
   results[parts - 1] = pairs_of(parts - 1);
@@ -123,7 +134,7 @@ void System::Impl::blame_outside() const {
 }
 
 void System::Impl::blame_overlap() const {
-  const auto number_of = [&](std::uint32_t sphere) { return bodies.rank[spheres.body[sphere]]; };
+  const auto particle_at = [&](std::uint32_t sphere) { return bodies.rank[spheres.body[sphere]]; };
   for (const auto& list : lists) {
     for (std::size_t n = 0; n < list.size; ++n) {
       if (list.i[n] >= spheres.count) continue;
@@ -131,7 +142,7 @@ void System::Impl::blame_overlap() const {
       const float overlap = list.columns[PairList::kOverlap][n];
       if (overlap > kDeepestOverlap * radius) {
         throw Error(fmt::format("step {}: particles {} and {} overlap by {:.3g} m, {:.0f} % of a radius",
-                                step, number_of(list.i[n]), number_of(list.j[n]), overlap,
+                                step, particle_at(list.i[n]), particle_at(list.j[n]), overlap,
                                 100.0 * overlap / radius));
       }
     }
@@ -141,7 +152,7 @@ void System::Impl::blame_overlap() const {
       const float radius = spheres.row[touch.sphere].radius;
       if (touch.overlap > kDeepestOverlap * radius) {
         throw Error(fmt::format("step {}: particle {} is {:.3g} m deep in wall '{}', {:.0f} % of a radius",
-                                step, number_of(touch.sphere), touch.overlap,
+                                step, particle_at(touch.sphere), touch.overlap,
                                 walls.parts()[touch.part].wall.name, 100.0 * touch.overlap / radius));
       }
     }

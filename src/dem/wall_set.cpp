@@ -145,7 +145,7 @@ double WallSet::advance(double time_step) {
     const Motion& motion = part.wall.motion;
     if (part.placed) {
       part.placed = false;
-    } else if (!motion.velocity.isZero(0.0) || !motion.angular_velocity.isZero(0.0)) {
+    } else if (part.moves()) {
       part.moved = true;
       part.wall.pose.position += time_step * motion.velocity;
       const double angle = motion.angular_velocity.norm() * time_step;
@@ -340,7 +340,7 @@ void WallSet::collect(std::size_t t, const Spheres& spheres, const Period& perio
     passed_on.assign(old_end - old, false);
     const std::size_t first = thread.touches.size();
     for (const auto& f : found) {
-      Touch touch{sphere, f.candidate->part, f.candidate->facet, {}, 0.0F, {}, {}};
+      Touch touch{sphere, f.candidate->part, f.candidate->facet, {}, 0.0F, {}};
       for (std::size_t k = old; k < old_end; ++k) {
         if (thread.before[k].part == touch.part && thread.before[k].facet == touch.facet) {
           touch = thread.before[k];
@@ -394,7 +394,7 @@ void WallSet::collect(std::size_t t, const Spheres& spheres, const Period& perio
 
 void WallSet::finish(std::size_t t, const Quanta& quanta, bool rolls) {
   Thread& thread = threads_[t];
-  thread.wrench.assign(7 * parts_.size(), 0.0);
+  thread.wrench.assign(6 * parts_.size(), 0.0);
   const WallContacts& contacts = thread.contacts;
   // The sum over a wall is larger than that on a particle: a coarser quantum, still exact in any order.
   const double force_magic = 1024.0 * quanta.force_magic;
@@ -403,12 +403,12 @@ void WallSet::finish(std::size_t t, const Quanta& quanta, bool rolls) {
     Touch& touch = thread.touches[k];
     const Part& part = parts_[touch.part];
     const Eigen::Vector3d force{-contacts.force[0][k], -contacts.force[1][k], -contacts.force[2][k]};
-    const Eigen::Vector3d torque = (thread.point[k] - part.wall.pose.position).cross(force);
-    double* sum = &thread.wrench[7 * static_cast<std::size_t>(touch.part)];
+    Eigen::Vector3d torque = (thread.point[k] - part.wall.pose.position).cross(force);
+    for (int a = 0; a < 3 && rolls; ++a) torque[a] -= contacts.moment[a][k];
+    double* sum = &thread.wrench[6 * static_cast<std::size_t>(touch.part)];
     for (int a = 0; a < 3; ++a) {
       sum[a] += (force[a] + force_magic) - force_magic;
       sum[3 + a] += (torque[a] + torque_magic) - torque_magic;
-      sum[6] -= force[a] * static_cast<double>(contacts.velocity[a][k]);
       touch.shear[a] = contacts.shear[a][k];
       if (rolls) touch.rolling[a] = contacts.rolling[a][k];
     }
@@ -418,13 +418,12 @@ void WallSet::finish(std::size_t t, const Quanta& quanta, bool rolls) {
 
 void WallSet::sum_wrenches() {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    double sum[7] = {};
+    double sum[6] = {};
     for (const auto& thread : threads_) {
-      if (thread.wrench.size() < 7 * (p + 1)) continue;
-      for (int a = 0; a < 7; ++a) sum[a] += thread.wrench[7 * p + a];
+      if (thread.wrench.size() < 6 * (p + 1)) continue;
+      for (int a = 0; a < 6; ++a) sum[a] += thread.wrench[6 * p + a];
     }
     std::copy(sum, sum + 6, parts_[p].wrench);
-    parts_[p].power = sum[6];
   }
 }
 

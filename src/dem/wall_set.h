@@ -23,16 +23,19 @@ class WallSet {
     double slack = 0.0;     ///< way left before the inner list is to be made, m
     double reserve = 0.0;   ///< further way before the outer list is to be made, m
     double wrench[6] = {};  ///< on the wall, exact sums of quanta
-    double power = 0.0;     ///< of the wall on the particles, W
+    double booked[6] = {};  ///< wrench when the energy book last looked
     bool removed = false;
     bool placed = false;  ///< set_pose gave the pose of the next step
-    bool moved = false;   ///< since take_moved() looked last
+    bool moved = false;   ///< since near_moved() looked last
+    /// Its pose changes in the next step.
+    bool moves() const {
+      return placed || !wall.motion.velocity.isZero(0.0) || !wall.motion.angular_velocity.isZero(0.0);
+    }
   };
   /// A touched face, kept from step to step.
   struct Touch {
     std::uint32_t sphere, part, facet;
     float shear[3], overlap, rolling[3];
-    float trace[Trace::kColumns];
   };
 
   std::uint32_t add(const Wall& wall);
@@ -71,8 +74,6 @@ class WallSet {
   Column<float>& trace(std::size_t thread) { return threads_[thread].trace; }
   std::vector<Touch>& touches(std::size_t thread) { return threads_[thread].touches; }
   const std::vector<Touch>& touches(std::size_t thread) const { return threads_[thread].touches; }
-  /// Touches of the last step that ended or passed on in this one are in `before`; same order.
-  const std::vector<Touch>& touches_before(std::size_t thread) const { return threads_[thread].before; }
   std::size_t threads() const { return threads_.size(); }
   /// Takes the histories out, and puts them back after the spheres were renumbered; any order.
   std::vector<Touch> take_touches();
@@ -90,7 +91,7 @@ class WallSet {
     std::vector<Touch> touches, before;
     WallContacts contacts;
     Column<float> trace;
-    std::vector<double> wrench;  ///< 7 a part: force, torque, power
+    std::vector<double> wrench;  ///< 6 a part: force, torque
     std::vector<Eigen::Vector3d> point;
   };
   struct Found;

@@ -162,7 +162,7 @@ TEST(Conservation, EnergyBookClosesWithAMovingWall) {
   const EnergyBook after = system.energy();
   const double work = after.wall_work - before.wall_work;
   EXPECT_GT(work, 0.0);
-  EXPECT_LT(std::fabs(total(after) - total(before)), 2e-3 * work);
+  EXPECT_LT(std::fabs(total(after) - total(before)), 1e-3 * work);
 }
 
 TEST(Conservation, WeightOnTheFloor) {

@@ -187,7 +187,7 @@ TEST(Sleep, TheEnergyBookStaysClosed) {
   system.step(8000);
   const double work = system.energy().wall_work - start;
   EXPECT_GT(work, 1e-4);
-  EXPECT_NEAR(total(), before, 0.02 * work);
+  EXPECT_NEAR(total(), before, 1e-3 * work);
 }
 
 }  // namespace
