@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "cosim/wheel_faces.h"
 #include "rig/speeds.h"
 
 namespace wheel_twin::cosim {
@@ -46,8 +47,7 @@ bool same(const rig::HubMotion& a, const rig::HubMotion& b) {
 
 CoupledContact::CoupledContact(const wheel::WheelModel& model, SoilSide& soil, rig::Ports ports)
     : wheel_(model), soil_(soil), ports_(std::move(ports)) {
-  const wheel::Box& plate = wheel_.shape(0).boxes.front();
-  radius_ = model.radius + plate.half_extents.z();
+  radius_ = rim_radius(wheel_);
   loads_.resize(static_cast<std::size_t>(wheel_.segment_count()));
   segments_.resize(loads_.size());
   rig::RigState rolling;

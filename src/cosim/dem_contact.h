@@ -14,6 +14,16 @@
 
 namespace wheel_twin::cosim {
 
+/// The soil for a wheel: `soil` as scaled by `settings`, and its bed. Throws Error when wheel, soil, bed and
+/// the soil's ports do not go together.
+DemSoil soil_under(const wheel::WheelModel& model, const dem::GranularSoil& soil, const dem::Bed& bed,
+                   const DemSettings& settings, const rig::Ports& ports, int threads,
+                   bool track_energy = false, double rig_step = 0.001);
+
+/// Height of the hub above its first touch with a level surface (rig z = 0) at which a run can start, m: no
+/// grain touches the wheel, grousers included.
+double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel);
+
 class DemContact final : public rig::Contact {
  public:
   /// Fetches the bed (or makes it, which takes minutes). What `ports` point to must outlive the contact.
@@ -23,9 +33,7 @@ class DemContact final : public rig::Contact {
 
   rig::HubLoad advance(const rig::HubMotion& motion) override { return coupled_.advance(motion); }
 
-  /// Height of the hub above its first touch with a level surface (rig z = 0) at which a run can start, m:
-  /// no grain touches the wheel.
-  double clearance() const;
+  double clearance() const;  ///< start_clearance, m
 
   /// Soil, wheel and the answers so far, so that a run taken up from there goes on with identical bits.
   void write_checkpoint(const std::string& path) const;

@@ -32,6 +32,7 @@ class DemSoil final : public SoilSide {
           const DemSoilSettings& settings, const std::vector<const rig::SoilPort*>& ports = {});
 
   double time_step() const override { return system_.time_step(); }
+  std::size_t segment_count() const { return loads_.size(); }
   const std::vector<wheel::Wrench>& advance(std::int64_t step,
                                             const std::vector<wheel::SegmentState>& segments) override;
 

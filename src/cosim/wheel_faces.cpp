@@ -61,6 +61,16 @@ std::vector<dem::Mesh> wheel_faces(const std::vector<wheel::SegmentShape>& shape
   return meshes;
 }
 
+std::vector<wheel::SegmentShape> segment_shapes(const wheel::FlexibleWheel& wheel) {
+  std::vector<wheel::SegmentShape> shapes;
+  for (int i = 0; i < wheel.segment_count(); ++i) shapes.push_back(wheel.shape(i));
+  return shapes;
+}
+
+double rim_radius(const wheel::FlexibleWheel& wheel) {
+  return wheel.model().radius + wheel.shape(0).boxes.front().half_extents.z();
+}
+
 double outermost_radius(const wheel::FlexibleWheel& wheel) {
   const double apothem = wheel.model().radius * std::cos(M_PI / wheel.segment_count());
   double radius = 0.0;

@@ -16,6 +16,11 @@ namespace wheel_twin::cosim {
 /// One mesh a segment. `shapes` in the order of the segments around the rim.
 std::vector<dem::Mesh> wheel_faces(const std::vector<wheel::SegmentShape>& shapes);
 
+std::vector<wheel::SegmentShape> segment_shapes(const wheel::FlexibleWheel& wheel);
+
+/// From the axle to the outer face of the undeformed rim, without grousers, m.
+double rim_radius(const wheel::FlexibleWheel& wheel);
+
 /// Largest distance of any face from the axle of the undeformed wheel, m.
 double outermost_radius(const wheel::FlexibleWheel& wheel);
 

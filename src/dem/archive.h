@@ -52,7 +52,7 @@ class Archive {
   std::string hash() const;
 
  private:
-  friend Archive read_archive(const std::string&, const std::string&);
+  friend class ArchiveReader;
   [[noreturn]] void fail(const std::string& name, const std::string& message) const;
 
   std::string source_ = "archive";
@@ -71,6 +71,12 @@ void write_archive(const std::string& path, const std::string& kind, const Archi
 /// Reads it back. Throws Error naming the file when it is missing, not HDF5, cut short, damaged, of another
 /// kind or of another version.
 Archive read_archive(const std::string& path, const std::string& kind);
+
+/// The same file in memory, for a message.
+std::vector<std::uint8_t> archive_bytes(const std::string& kind, const Archive& archive);
+/// Reads it back; `source` stands for the file in errors.
+Archive archive_from_bytes(const std::vector<std::uint8_t>& bytes, const std::string& kind,
+                           const std::string& source);
 
 /// SHA-256 of a text, hex.
 std::string sha256(const std::string& text);

@@ -164,23 +164,69 @@ void sync_to_disk(const std::string& path) {
   if (!good) throw Error(fmt::format("{}: cannot be written to disk", path));
 }
 
+bool write_content(hid_t file, const std::string& kind, const Archive& archive) {
+  bool good = write_text(file, "format", format_name) && write_number(file, "version", archive_version) &&
+              write_text(file, "kind", kind) && write_text(file, "sha256", archive.hash());
+  const Handle arrays(H5Gcreate2(file, "arrays", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Handle numbers(H5Gcreate2(file, "numbers", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  const Handle texts(H5Gcreate2(file, "texts", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  for (const auto& [name, array] : archive.arrays()) good = good && write_array(arrays, name, array);
+  for (const auto& [name, value] : archive.numbers()) good = good && write_number(numbers, name, value);
+  for (const auto& [name, value] : archive.texts()) good = good && write_text(texts, name, value);
+  return good;
+}
+
+/// HDF5's file that lives in memory.
+Handle memory_access() {
+  constexpr std::size_t increment = 1 << 20;
+  Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fapl_core(access, increment, 0);
+  return access;
+}
+
 }  // namespace
+
+class ArchiveReader {
+ public:
+  static Archive read(const Handle& file, const std::string& path, const std::string& kind) {
+    if (!file.ok()) throw Error(fmt::format("{}: is not an HDF5 file or was cut short", path));
+    if (read_text(file, "format") != format_name)
+      throw Error(fmt::format("{}: is not a file of this program", path));
+    const double version = read_number(file, "version");
+    if (version != archive_version)
+      throw Error(fmt::format("{}: has version {}, this program reads version {}: make it again", path,
+                              version, int{archive_version}));
+    const std::string found_kind = read_text(file, "kind");
+    if (found_kind != kind)
+      throw Error(fmt::format("{}: holds a {}, a {} is expected", path, found_kind, kind));
+
+    Archive archive;
+    archive.source_ = path;
+    const Handle arrays(H5Gopen2(file, "arrays", H5P_DEFAULT), H5Gclose);
+    const Handle numbers(H5Gopen2(file, "numbers", H5P_DEFAULT), H5Gclose);
+    const Handle texts(H5Gopen2(file, "texts", H5P_DEFAULT), H5Gclose);
+    if (!arrays.ok() || !numbers.ok() || !texts.ok()) throw Error(fmt::format("{}: is damaged", path));
+    for (const std::string& name : dataset_names(arrays)) {
+      Array array;
+      if (!read_array(arrays, name, array)) throw Error(fmt::format("{}: {}: is damaged", path, name));
+      archive.arrays_[name] = std::move(array);
+    }
+    for (const std::string& name : attribute_names(numbers))
+      archive.numbers_[name] = read_number(numbers, name);
+    for (const std::string& name : attribute_names(texts)) archive.texts_[name] = read_text(texts, name);
+    if (archive.hash() != read_text(file, "sha256"))
+      throw Error(fmt::format(
+          "{}: its content does not have the checksum it was written with: the file is damaged", path));
+    return archive;
+  }
+};
 
 void write_archive(const std::string& path, const std::string& kind, const Archive& archive) {
   silence();
   AtomicFile target(path);
   Handle file(H5Fcreate(target.path().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) throw Error(fmt::format("{}: cannot be written", path));
-  bool good = write_text(file, "format", format_name) && write_number(file, "version", archive_version) &&
-              write_text(file, "kind", kind) && write_text(file, "sha256", archive.hash());
-  {
-    const Handle arrays(H5Gcreate2(file, "arrays", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-    const Handle numbers(H5Gcreate2(file, "numbers", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-    const Handle texts(H5Gcreate2(file, "texts", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-    for (const auto& [name, array] : archive.arrays()) good = good && write_array(arrays, name, array);
-    for (const auto& [name, value] : archive.numbers()) good = good && write_number(numbers, name, value);
-    for (const auto& [name, value] : archive.texts()) good = good && write_text(texts, name, value);
-  }
+  bool good = write_content(file, kind, archive);
   good = file.finish() && good;
   if (!good) throw Error(fmt::format("{}: cannot be written", path));
   sync_to_disk(target.path());
@@ -191,35 +237,29 @@ Archive read_archive(const std::string& path, const std::string& kind) {
   silence();
   if (!std::filesystem::exists(path)) throw Error(fmt::format("{}: does not exist", path));
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
-  if (!file.ok()) throw Error(fmt::format("{}: is not an HDF5 file or was cut short", path));
-  if (read_text(file, "format") != format_name)
-    throw Error(fmt::format("{}: is not a file of this program", path));
-  const double version = read_number(file, "version");
-  if (version != archive_version)
-    throw Error(fmt::format("{}: has version {}, this program reads version {}: make it again", path, version,
-                            int{archive_version}));
-  const std::string found_kind = read_text(file, "kind");
-  if (found_kind != kind)
-    throw Error(fmt::format("{}: holds a {}, a {} is expected", path, found_kind, kind));
+  return ArchiveReader::read(file, path, kind);
+}
 
-  Archive archive;
-  archive.source_ = path;
-  const Handle arrays(H5Gopen2(file, "arrays", H5P_DEFAULT), H5Gclose);
-  const Handle numbers(H5Gopen2(file, "numbers", H5P_DEFAULT), H5Gclose);
-  const Handle texts(H5Gopen2(file, "texts", H5P_DEFAULT), H5Gclose);
-  if (!arrays.ok() || !numbers.ok() || !texts.ok()) throw Error(fmt::format("{}: is damaged", path));
-  for (const std::string& name : dataset_names(arrays)) {
-    Array array;
-    if (!read_array(arrays, name, array)) throw Error(fmt::format("{}: {}: is damaged", path, name));
-    archive.arrays_[name] = std::move(array);
-  }
-  for (const std::string& name : attribute_names(numbers))
-    archive.numbers_[name] = read_number(numbers, name);
-  for (const std::string& name : attribute_names(texts)) archive.texts_[name] = read_text(texts, name);
-  if (archive.hash() != read_text(file, "sha256"))
-    throw Error(fmt::format(
-        "{}: its content does not have the checksum it was written with: the file is damaged", path));
-  return archive;
+std::vector<std::uint8_t> archive_bytes(const std::string& kind, const Archive& archive) {
+  silence();
+  const Handle access = memory_access();
+  const Handle file(H5Fcreate("archive", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose);
+  if (!file.ok() || !write_content(file, kind, archive) || H5Fflush(file, H5F_SCOPE_GLOBAL) < 0)
+    throw Error(fmt::format("a {} cannot be packed into a message", kind));
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(H5Fget_file_image(file, nullptr, 0)));
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0)
+    throw Error(fmt::format("a {} cannot be packed into a message", kind));
+  return bytes;
+}
+
+Archive archive_from_bytes(const std::vector<std::uint8_t>& bytes, const std::string& kind,
+                           const std::string& source) {
+  silence();
+  const Handle access = memory_access();
+  std::vector<std::uint8_t> copy = bytes;  // the library takes no const pointer
+  H5Pset_file_image(access, copy.data(), copy.size());
+  const Handle file(H5Fopen("archive", H5F_ACC_RDONLY, access), H5Fclose);
+  return ArchiveReader::read(file, source, kind);
 }
 
 }  // namespace wheel_twin::dem

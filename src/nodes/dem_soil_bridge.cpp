@@ -10,16 +10,24 @@
 #include <std_msgs/String.h>
 #include <std_srvs/Trigger.h>
 
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
+#include "base/config_path.h"
 #include "base/error.h"
+#include "cosim/dem_settings.h"
 #include "dem/bed.h"
+#include "nodes/coupled_soil.h"
+#include "nodes/link.h"
 #include "nodes/params.h"
 #include "nodes/soil_conversion.h"
+#include "wheel/wheel_model.h"
 
 namespace wheel_twin::nodes {
 namespace {
@@ -29,8 +37,11 @@ constexpr double fastest_rate =
 
 struct Settings {
   std::string soil;
+  std::optional<wheel::WheelModel> wheel;  // whose soil this is; none: a bed by itself
+  cosim::DemSettings dem;                  // of the wheel's soil
   dem::BedSettings bed;
   int threads = 1;
+  double patience = 30.0;  // s
   std::string save_path;
   std::string frame;
   double rate = 1.0;
@@ -42,6 +53,12 @@ Settings read_settings(const ros::NodeHandle& node) {
   Params params = params_of(node);
   Settings s;
   s.soil = params.text("soil", "mars_simulant");
+  if (const std::string wheel = params.text("wheel", ""); !wheel.empty()) {
+    s.wheel = wheel::read_wheel_file(find_config("wheels", wheel));
+    s.dem = cosim::load_dem_settings(params.text("dem", "paper"));
+    s.bed = s.dem.bed;
+    s.patience = params.number("patience", s.patience, {0.1, 1.0e4});
+  }
   s.bed.length = params.number("length", s.bed.length, {0.03, 10.0});
   s.bed.width = params.number("width", s.bed.width, {0.03, 10.0});
   s.bed.depth = params.number("depth", s.bed.depth, {0.02, 2.0});
@@ -53,7 +70,13 @@ Settings read_settings(const ros::NodeHandle& node) {
   s.rut_half_width = params.number("rut_half_width", 0.03, {0.001, 1.0});
   s.prepare_at_start = params.boolean("prepare_at_start", true);
   params.finish();
+  s.dem.bed = s.bed;
   return s;
+}
+
+dem::GranularSoil granular_soil(const Settings& settings) {
+  dem::GranularSoil soil = dem::load_granular_soil(settings.soil);
+  return settings.wheel ? cosim::scaled_soil(std::move(soil), settings.dem) : soil;
 }
 
 }  // namespace
@@ -62,7 +85,7 @@ class DemSoilBridge::Impl {
  public:
   Impl(ros::NodeHandle node, const ros::NodeHandle& private_node)
       : settings_(read_settings(private_node)),
-        soil_(dem::load_granular_soil(settings_.soil)),
+        soil_(granular_soil(settings_)),
         node_(std::move(node)),
         updater_(node_, private_node, ros::this_node::getName()) {
     cloud_ = node_.advertise<sensor_msgs::PointCloud2>("soil/cloud", 1, true);
@@ -76,11 +99,14 @@ class DemSoilBridge::Impl {
     set_state("empty");
     timer_ =
         node_.createTimer(ros::Duration(1.0 / settings_.rate), [this](const ros::TimerEvent&) { publish(); });
-    if (settings_.prepare_at_start) start_preparing();
+    if (settings_.prepare_at_start || settings_.wheel) start_preparing();
+    if (settings_.wheel) server_ = std::thread([this] { serve_wheel(); });
   }
 
   ~Impl() {
     timer_.stop();
+    quit_ = true;
+    if (server_.joinable()) server_.join();
     if (worker_.joinable()) worker_.join();
   }
 
@@ -112,6 +138,7 @@ class DemSoilBridge::Impl {
           bed_ = std::move(bed);
           system_.emplace(std::move(system));
         }
+        prepared_.notify_all();
         set_state("ready");
       } catch (const std::exception& error) {
         ROS_ERROR("%s", error.what());
@@ -121,8 +148,10 @@ class DemSoilBridge::Impl {
   }
 
   bool on_prepare(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-    response.success = state() != "preparing";
-    response.message = response.success ? "preparing" : "already preparing";
+    response.success = state() != "preparing" && !settings_.wheel;
+    response.message = settings_.wheel    ? "a wheel's bed is prepared when the node starts"
+                       : response.success ? "preparing"
+                                          : "already preparing";
     if (response.success) start_preparing();
     return true;
   }
@@ -142,21 +171,59 @@ class DemSoilBridge::Impl {
     return true;
   }
 
+  /// The soil of a wheel in another node.
+  void serve_wheel() {
+    CoupledSoilHooks hooks;
+    hooks.quit = [this] { return quit_.load(); };
+    hooks.state = [this](const std::string& state) { set_state(state); };
+    hooks.bed = [this]() -> const dem::Bed& { return settled_bed(); };
+    hooks.shown = [this](const cosim::DemSoil& soil, double hub_x) {
+      const ros::WallTime now = ros::WallTime::now();
+      if (now < due_) return;
+      due_ = now + ros::WallDuration(1.0 / settings_.rate);
+      show(soil.system(), hub_x);
+    };
+    serve_coupled_soil(
+        node_, {*settings_.wheel, soil_, soil_.name, settings_.dem, settings_.threads, settings_.patience},
+        hooks);
+  }
+
+  /// Waits for the bed, which does not change any more; from now on only the wheel's soil is shown.
+  const dem::Bed& settled_bed() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!bed_) {
+      if (quit_ || !ros::ok()) throw NodeEnds{};
+      if (state_.rfind("failed", 0) == 0) throw Error(state_);
+      prepared_.wait_for(lock, std::chrono::milliseconds(100));
+    }
+    system_.reset();
+    return *bed_;
+  }
+
   void publish() {
     updater_.update();
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!system_) return;
+    if (system_) show(*system_, 0.5 * settings_.bed.length - settings_.dem.start_x);
+  }
+
+  /// `hub_x`: place of the wheel in frame `rig`; a periodic bed is drawn about it.
+  void show(const dem::System& system, double hub_x) {
     std_msgs::Header header;
     header.stamp = ros::Time::now();
     header.frame_id = settings_.frame;
-    const Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-    if (cloud_.getNumSubscribers() > 0) cloud_.publish(soil_cloud(*system_, offset, header));
-    if (heights_.getNumSubscribers() == 0 && rut_.getNumSubscribers() == 0) return;
     const dem::BedSettings& b = settings_.bed;
-    const dem::HeightMap map = height_map(
-        system_->spheres(), {{0.0, -0.5 * b.width, -b.depth}, {b.length, 0.5 * b.width, 1.0}}, 0.003);
-    heights_.publish(height_cloud(map, offset, header));
-    rut_.publish(rut_profile(map, settings_.rut_half_width, offset, header));
+    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+    if (settings_.wheel) offset.x() = -settings_.dem.start_x;
+    const double period = settings_.wheel && b.periodic_x ? b.length : 0.0;
+    if (cloud_.getNumSubscribers() > 0)
+      cloud_.publish(soil_cloud(system, spheres_about(system.spheres(), offset, hub_x, period), header));
+    if (heights_.getNumSubscribers() == 0 && rut_.getNumSubscribers() == 0) return;
+    const double begin = period > 0.0 ? hub_x - 0.5 * period : offset.x();
+    const dem::HeightMap map =
+        height_map(spheres_about(system.spheres(), offset, hub_x, period),
+                   {{begin, -0.5 * b.width, -b.depth}, {begin + b.length, 0.5 * b.width, 1.0}}, 0.003);
+    heights_.publish(height_cloud(map, Eigen::Vector3d::Zero(), header));
+    rut_.publish(rut_profile(map, settings_.rut_half_width, Eigen::Vector3d::Zero(), header));
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -183,6 +250,11 @@ class DemSoilBridge::Impl {
   ros::ServiceServer prepare_, save_;
   ros::Timer timer_;
   std::thread worker_;
+  // The soil of a wheel.
+  std::atomic<bool> quit_{false};
+  std::condition_variable prepared_;
+  ros::WallTime due_;
+  std::thread server_;
 };
 
 DemSoilBridge::DemSoilBridge(const ros::NodeHandle& node, const ros::NodeHandle& private_node)

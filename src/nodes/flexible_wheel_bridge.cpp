@@ -16,6 +16,7 @@
 
 #include "base/config_path.h"
 #include "base/error.h"
+#include "nodes/coupled_wheel.h"
 #include "nodes/msg_conversion.h"
 #include "nodes/pacer.h"
 #include "nodes/params.h"
@@ -27,7 +28,8 @@ namespace {
 
 struct Settings {
   wheel::WheelModel model;
-  bool rolls = true;
+  std::string drive;
+  double patience = 30.0;
   wheel::RollingSettings rolling;
   double travel = 0.3, real_time_factor = 0.2, publish_rate = 50.0, hub_height = 0.0;
   std::string frame, hub_frame, wheel_frame;
@@ -37,7 +39,8 @@ Settings read_settings(const ros::NodeHandle& node) {
   Params params = params_of(node);
   Settings s;
   s.model = wheel::read_wheel_file(find_config("wheels", params.text("wheel", "amalia")));
-  s.rolls = params.choice("drive", "roll", {"roll", "commands"}) == "roll";
+  s.drive = params.choice("drive", "roll", {"roll", "commands", "soil"});
+  s.patience = params.number("patience", s.patience, {0.1, 1.0e4});
   s.rolling.load = params.number("load", 42.1, {0.1, 1.0e4});
   s.rolling.speed = params.number("speed", 0.1, {0.001, 2.0});
   s.rolling.start_angle = params.number("angle", 0.0, {-10.0, 10.0});
@@ -70,7 +73,11 @@ class FlexibleWheelBridge::Impl {
     reaction_ = node_.advertise<geometry_msgs::WrenchStamped>("wheel/reaction", 1000, true);
     state_ = node_.advertise<WheelState>("wheel/state", 1000, true);
     status_ = node_.advertise<std_msgs::String>("wheel/status", 10, true);
-    if (settings_.rolls) {
+    if (settings_.drive == "soil") {
+      worker_ = std::thread([this] { serve_rig(); });
+      return;
+    }
+    if (settings_.drive == "roll") {
       rolling_ = std::make_unique<wheel::RollingWheel>(settings_.model, settings_.rolling);
       ground_.publish(ground_markers(settings_.rolling.ground, settings_.frame));
       worker_ = std::thread([this] { roll(); });
@@ -181,6 +188,22 @@ class FlexibleWheelBridge::Impl {
     }
   }
 
+  /// Between rig and soil of other nodes.
+  void serve_rig() {
+    CoupledWheelHooks hooks;
+    hooks.quit = [this] { return quit_.load(); };
+    hooks.status = [this](const std::string& status) { set_status(status); };
+    hooks.shown = [this](const wheel::FlexibleWheel& wheel) {
+      const ros::WallTime now = ros::WallTime::now();
+      if (now < due_) return;
+      due_ = now + ros::WallDuration(1.0 / settings_.publish_rate);
+      if (joints_.getNumSubscribers() > 0) joints_.publish(wheel_joints(wheel, header()));
+      if (markers_.getNumSubscribers() > 0)
+        markers_.publish(wheel_markers(wheel, scale_, "", settings_.frame));
+    };
+    serve_coupled_wheel(node_, {settings_.model, settings_.patience}, hooks);
+  }
+
   void fail(const char* why) {
     ROS_ERROR("flexible_wheel: %s", why);
     set_status(std::string("failed: ") + why);
@@ -195,6 +218,7 @@ class FlexibleWheelBridge::Impl {
   std::unique_ptr<wheel::RollingWheel> rolling_;
   std::unique_ptr<wheel::FlexibleWheel> commanded_;
   double time_ = 0.0, shown_ = 0.0;  // of commands, s
+  ros::WallTime due_;                // next pictures of a coupled wheel
   bool failed_ = false;
   std::atomic<bool> quit_{false};
   ros::Subscriber command_;

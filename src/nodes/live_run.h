@@ -33,6 +33,7 @@ class LiveRun {
 
   bool done() const { return run_.done(); }
   double time() const { return run_.time(); }
+  double expected_end() const { return run_.expected_end(); }  ///< s
   Phase phase() const;
   const rig::RigStep& step() const { return run_.step(); }
   std::size_t messages() const { return messages_; }  ///< written to the bag or ready to be published

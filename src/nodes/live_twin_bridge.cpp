@@ -42,7 +42,7 @@ Settings read_settings(const ros::NodeHandle& node) {
   Params params = params_of(node);
   Settings s;
   s.setup = read_rig_setup(params);
-  if (s.setup.fidelity != "semi_empirical")
+  if (s.setup.dem)
     throw Error(
         fmt::format("parameter {}/fidelity: a twin in real time is semi_empirical", node.getNamespace()));
   FollowerSettings& f = s.follower;

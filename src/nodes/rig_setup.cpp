@@ -22,9 +22,12 @@ RigSetup read_rig_setup(Params& params) {
   setup.wheel = std::move(loaded.wheel);
   setup.soil = std::move(loaded.soil);
   setup.run = std::move(loaded.run);
-  setup.fidelity = params.choice("fidelity", "semi_empirical", {"dem", "semi_empirical"});
 
   rig::RunSettings& run = setup.run;
+  if (params.choice("fidelity", "semi_empirical", {"dem", "semi_empirical"}) == "dem") {
+    setup.dem = cosim::load_dem_settings(params.text("dem", "paper"));
+    run.profile = setup.dem->profile;
+  }
   if (const auto rate = params.optional_number("publish_rate", {1.0, 1000.0})) {
     run.sensors.ft.rate = *rate;
     run.sensors.draw_wire.rate = *rate;
@@ -42,13 +45,13 @@ RigSetup read_rig_setup(Params& params) {
   run.profile.travel = params.number("travel", run.profile.travel, {0.0, run.rig.carriage.stroke});
   run.profile.longest_steady = params.number("longest_steady", run.profile.longest_steady, yaml::positive());
   setup.title = fmt::format("{} on {}\n{} soil", setup.wheel.name, setup.soil.name,
-                            setup.fidelity == "dem" ? "discrete-element" : "semi-empirical");
+                            setup.dem ? "discrete-element" : "semi-empirical");
   std::replace(setup.title.begin(), setup.title.end(), '_', ' ');
   return setup;
 }
 
 std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup) {
-  return twin::make_contact(setup.fidelity, setup.wheel, setup.soil, {});
+  return twin::make_contact("semi_empirical", setup.wheel, setup.soil, {});
 }
 
 }  // namespace wheel_twin::nodes

@@ -3,8 +3,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "cosim/dem_settings.h"
 #include "nodes/params.h"
 #include "rig/contact.h"
 #include "rig/free_run.h"
@@ -17,14 +19,14 @@ struct RigSetup {
   terramechanics::Wheel wheel;
   terramechanics::Soil soil;
   rig::RunSettings run;
-  std::string fidelity;  ///< semi_empirical or dem
-  std::string title;     ///< two lines for the view
+  std::optional<cosim::DemSettings> dem;  ///< fidelity dem: how wheel and soil are co-simulated
+  std::string title;                      ///< two lines for the view
 };
 
 /// Throws Error naming the parameter, or file, line and key.
 RigSetup read_rig_setup(Params& params);
 
-/// The soil and wheel that carry the rig. Throws Error when they make no model.
+/// The semi-empirical soil and wheel that carry the rig. Throws Error when they make no model.
 std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup);
 
 }  // namespace wheel_twin::nodes

@@ -32,12 +32,12 @@ bool due(ros::WallTime& next, double period, bool everything) {
 }  // namespace
 
 RigView::RigView(ros::NodeHandle node, const terramechanics::Wheel& wheel, const terramechanics::Soil& soil,
-                 const std::string& labels_topic)
-    : wheel_(wheel), rut_(rut_settings(wheel, soil, bin_)) {
+                 const std::string& labels_topic, bool draws_soil)
+    : draws_soil_(draws_soil), wheel_(wheel), rut_(rut_settings(wheel, soil, bin_)) {
   bin_.repose_angle = soil.phi;
   model_ = node.advertise<sensor_msgs::JointState>("rig/model_states", 10, true);
-  surface_ = node.advertise<visualization_msgs::Marker>("soil/surface", 1, true);
-  path_ = node.advertise<visualization_msgs::MarkerArray>("soil/rut", 1, true);
+  if (draws_soil_) surface_ = node.advertise<visualization_msgs::Marker>("soil/surface", 1, true);
+  if (draws_soil_) path_ = node.advertise<visualization_msgs::MarkerArray>("soil/rut", 1, true);
   labels_ = node.advertise<visualization_msgs::MarkerArray>(labels_topic, 1, true);
   pose_.hub_height = wheel.radius;
   again_ = node.createWallTimer(ros::WallDuration(again_period), [this](const ros::WallTimerEvent&) {
@@ -77,7 +77,7 @@ void RigView::send_pose() {
 void RigView::publish(bool everything) {
   if (due(model_due_, model_period, everything)) send_pose();
   if (due(labels_due_, labels_period, everything)) labels_.publish(labels(gauges_));
-  if (!due(surface_due_, surface_period, everything)) return;
+  if (!draws_soil_ || !due(surface_due_, surface_period, everything)) return;
   surface_.publish(soil_surface(rut_, bin_, wheel_.width));
   path_.publish(trace_.markers(rut_));
 }

@@ -20,9 +20,10 @@ namespace wheel_twin::nodes {
 
 class RigView {
  public:
-  /// `labels_topic`: where forces and numbers go.
+  /// `labels_topic`: where forces and numbers go. `draws_soil`: the surface and the rut from the wheel's
+  /// path; not where the soil draws itself.
   RigView(ros::NodeHandle node, const terramechanics::Wheel& wheel, const terramechanics::Soil& soil,
-          const std::string& labels_topic);
+          const std::string& labels_topic, bool draws_soil = true);
 
   void clear();  ///< an untouched bed, no trace
   /// The state of the rig; `gauges.hub` and `gauges.radius` are filled in here. `steering` rad.
@@ -35,6 +36,7 @@ class RigView {
 
   std::mutex mutex_;
 
+  bool draws_soil_;
   terramechanics::Wheel wheel_;
   BinSize bin_;
   Rut rut_;

@@ -40,9 +40,18 @@ void put(sensor_msgs::PointCloud2& cloud, std::size_t point, std::initializer_li
 
 }  // namespace
 
-sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const Eigen::Vector3d& offset,
+std::vector<dem::SphereState> spheres_about(std::vector<dem::SphereState> spheres,
+                                            const Eigen::Vector3d& offset, double x, double period) {
+  for (dem::SphereState& sphere : spheres) {
+    sphere.center += offset;
+    if (period > 0.0) sphere.center.x() += period * std::round((x - sphere.center.x()) / period);
+  }
+  return spheres;
+}
+
+sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const std::vector<dem::SphereState>& spheres,
                                     const std_msgs::Header& header) {
-  const std::vector<dem::SphereState> spheres = system.spheres();
+  const std::vector<dem::SphereState> places = system.spheres();
   const std::vector<dem::Particle> particles = system.particles();
   const std::vector<dem::Wrench> loads = system.loads();
   sensor_msgs::PointCloud2 cloud =
@@ -50,9 +59,9 @@ sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const Eigen::Vect
   for (std::size_t i = 0; i < spheres.size(); ++i) {
     const dem::SphereState& s = spheres[i];
     const dem::Particle& p = particles[s.particle];
-    const Eigen::Vector3d velocity = p.velocity + p.angular_velocity.cross(s.center - p.position);
+    const Eigen::Vector3d velocity = p.velocity + p.angular_velocity.cross(places[i].center - p.position);
     const double force = s.particle < loads.size() ? loads[s.particle].force.norm() : 0.0;
-    const Eigen::Vector3d x = s.center + offset;
+    const Eigen::Vector3d& x = s.center;
     put(cloud, i, {x.x(), x.y(), x.z(), s.radius, velocity.norm(), force});
   }
   cloud.is_dense = 1;

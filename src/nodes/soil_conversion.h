@@ -1,6 +1,5 @@
 // A granular soil as ROS messages: spheres as a point cloud with speed and force, the surface as an organised
-// cloud, the rut as a line. Pure functions. Frame and stamp are the caller's; positions are those of the
-// system plus `offset`.
+// cloud, the rut as a line. Pure functions. Frame and stamp are the caller's.
 #pragma once
 
 #include <sensor_msgs/PointCloud2.h>
@@ -8,15 +7,21 @@
 #include <visualization_msgs/Marker.h>
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "dem/measures.h"
 #include "dem/system.h"
 
 namespace wheel_twin::nodes {
 
-/// One point a sphere, FLOAT32 fields x, y, z (m), radius (m), speed (m/s, of the sphere's centre), force (N,
-/// magnitude of the contact force on its clump).
-sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const Eigen::Vector3d& offset,
+/// The spheres moved by `offset`; with `period` above 0 each by as many periods along x as bring it next to
+/// `x`.
+std::vector<dem::SphereState> spheres_about(std::vector<dem::SphereState> spheres,
+                                            const Eigen::Vector3d& offset, double x, double period);
+
+/// One point a sphere, where `spheres` (of `system`, moved) are, FLOAT32 fields x, y, z (m), radius (m),
+/// speed (m/s, of the sphere's centre), force (N, magnitude of the contact force on its clump).
+sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const std::vector<dem::SphereState>& spheres,
                                     const std_msgs::Header& header);
 
 /// Organised cloud (width along x, height along y): x, y, z of the surface; NaN where there is no soil.

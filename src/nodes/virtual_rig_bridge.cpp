@@ -25,6 +25,7 @@
 #include "nodes/msg_conversion.h"
 #include "nodes/pacer.h"
 #include "nodes/params.h"
+#include "nodes/remote_wheel.h"
 #include "nodes/rig_setup.h"
 #include "nodes/rig_view.h"
 
@@ -43,6 +44,11 @@ struct Settings {
   double hold_at_travel = 0.0;
   bool autostart = true;
   bool publish_clock = false;
+  // Fidelity dem.
+  std::string checkpoint;             // empty: beside the bag, or none without a bag
+  double checkpoint_interval = 60.0;  // wall s
+  bool resume = false;
+  double patience = 30.0;  // s
 };
 
 Settings read_settings(const ros::NodeHandle& node) {
@@ -55,9 +61,37 @@ Settings read_settings(const ros::NodeHandle& node) {
   s.hold_at_travel = params.number("hold_at_travel", 0.0, {0.0, 10.0});
   s.autostart = params.boolean("autostart", true);
   s.publish_clock = params.boolean("publish_clock", false);
+  s.checkpoint = params.absolute_path("checkpoint");
+  s.checkpoint_interval = params.number("checkpoint_interval", s.checkpoint_interval, {0.1, 1e6});
+  s.resume = params.boolean("resume", false);
+  s.patience = params.number("patience", s.patience, {0.1, 1e4});
   params.finish();
+  if (s.checkpoint.empty() && !s.bag.empty()) s.checkpoint = s.bag + ".checkpoint";
   return s;
 }
+
+/// Says from time to time how far a long run is and how long it will take.
+class RunProgress {
+ public:
+  /// `time` and `end` of the run, s. `replaying`: what is known already passes quickly.
+  void update(double time, double end, bool replaying) {
+    const ros::WallTime now = ros::WallTime::now();
+    if (begin_.isZero() || replaying) {
+      begin_ = said_ = now;
+      first_ = time;
+    }
+    if (time > first_) left_ = (now - begin_).toSec() * std::max(0.0, end - time) / (time - first_);
+    if ((now - said_).toSec() < period) return;
+    said_ = now;
+    ROS_INFO("virtual_rig: %.2f of %.2f s simulated, %.1f min left", time, end, left_ / 60.0);
+  }
+  double left() const { return left_; }  ///< wall s
+
+ private:
+  static constexpr double period = 30.0;  // wall s
+  ros::WallTime begin_, said_;
+  double first_ = 0.0, left_ = 0.0;
+};
 
 }  // namespace
 
@@ -67,7 +101,7 @@ class VirtualRigBridge::Impl {
       : settings_(read_settings(private_node)),
         node_(node),
         pacer_(settings_.real_time_factor),
-        view_(node, settings_.setup.wheel, settings_.setup.soil, "rig/labels"),
+        view_(node, settings_.setup.wheel, settings_.setup.soil, "rig/labels", !settings_.setup.dem),
         updater_(node, private_node, ros::this_node::getName()),
         want_run_(settings_.autostart) {
     wrench_ = node_.advertise<geometry_msgs::WrenchStamped>("ft_sensor/wrench", queue);
@@ -83,6 +117,8 @@ class VirtualRigBridge::Impl {
     updater_.add("virtual rig", this, &Impl::diagnose);
     timer_ = node_.createWallTimer(ros::WallDuration(1.0),
                                    [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+    if (settings_.setup.dem)
+      remote_ = std::make_unique<RemoteWheel>(node_, settings_.patience, [this] { return quit_.load(); });
     set_status("idle");
     worker_ = std::thread([this] { work(); });
   }
@@ -190,11 +226,60 @@ class VirtualRigBridge::Impl {
     return ros::Time::now().toSec();
   }
 
+  /// Soil and wheel of this run, in other nodes: `settings` get the height at which the run can start.
+  void open_remote(rig::RunSettings& settings) {
+    const RigSetup& setup = settings_.setup;
+    set_status("preparing");
+    const RemoteWheel::Opening opening =
+        remote_->open(settings_.resume && runs_ == 0 ? settings_.checkpoint : "");
+    const auto same = [](const char* what, const std::string& there, const std::string& here) {
+      if (there != here)
+        throw Error(fmt::format("{} '{}' in the co-simulation, '{}' on the rig", what, there, here));
+    };
+    same("wheel", opening.wheel, setup.wheel.name);
+    same("soil", opening.soil, setup.soil.name);
+    same("dem settings", opening.settings, setup.dem->name);
+    settings.profile.clearance = opening.clearance;
+  }
+
   void run_once() {
     rig::RunSettings settings = settings_.setup.run;
     settings.epoch = epoch();
-    const auto contact = make_contact(settings_.setup);
-    LiveRun run(settings, *contact, {}, next_bag());
+    std::unique_ptr<rig::Contact> fast;
+    if (!remote_) fast = make_contact(settings_.setup);
+    try {
+      if (remote_) open_remote(settings);
+      LiveRun run(settings, remote_ ? *remote_ : *fast, {}, next_bag());
+      drive(settings.epoch, run);
+      run.close();
+      if (!settings_.bag.empty())
+        ROS_INFO("virtual_rig: run %d is over, %zu messages in its bag", runs_.load(), run.messages());
+    } catch (const NodeEnds&) {
+      return;
+    } catch (const std::exception& error) {
+      if (remote_) remote_->close(error.what());
+      throw;
+    }
+    if (!remote_) return;
+    remote_->close(quit_ || !ros::ok() ? "virtual_rig ends" : "");
+    std::error_code ignored;
+    if (!quit_ && ros::ok() && !settings_.checkpoint.empty())
+      std::filesystem::remove(settings_.checkpoint, ignored);
+  }
+
+  /// To the end of the run or of the node. What was measured before wheel or soil fail is kept: the bag is
+  /// closed.
+  void drive(double epoch, LiveRun& run) {
+    try {
+      advance(epoch, run);
+    } catch (const NodeEnds&) {
+    } catch (const Error&) {
+      if (remote_) run.close();
+      throw;
+    }
+  }
+
+  void advance(double epoch, LiveRun& run) {
     view_.clear();
     set_status("running");
     pacer_.start();
@@ -203,28 +288,41 @@ class VirtualRigBridge::Impl {
     double held_for = 0.0;  // wall time at rest does not count
     bool may_hold = settings_.hold_at_travel > 0.0;
     bool going = true;
+    RunProgress progress;
+    ros::WallTime saved = ros::WallTime::now();
     while (going && !run.done()) {
-      if (!serve(run)) break;
+      if (!serve(run, progress.left())) break;
       const run_log::RunLog log = run.advance(run.time() + piece, patience);
-      publish(settings.epoch, log);
-      show(settings.epoch, run);
+      publish(epoch, log);
+      show(epoch, run);
+      if (remote_) {
+        progress.update(run.time(), run.expected_end(), remote_->replaying());
+        save_now_and_then(saved);
+      }
       going = pacer_.wait_until(run.time() + held_for);
       if (may_hold && run.step().readings.joints.carriage_position >= settings_.hold_at_travel) {
         may_hold = false;
         view_.flush();
+        if (remote_) remote_->hold();
         going = hold();
         pacer_.start();
         held_for = -run.time();
       }
     }
-    run.close();
     view_.flush();
-    if (!settings_.bag.empty())
-      ROS_INFO("virtual_rig: run %d is over, %zu messages in its bag", runs_.load(), run.messages());
+  }
+
+  void save_now_and_then(ros::WallTime& saved) {
+    const ros::WallTime now = ros::WallTime::now();
+    if (settings_.checkpoint.empty() || remote_->replaying() ||
+        (now - saved).toSec() < settings_.checkpoint_interval)
+      return;
+    remote_->write_checkpoint(settings_.checkpoint);
+    saved = ros::WallTime::now();
   }
 
   /// Carries out what the services asked for. False: the node ends.
-  bool serve(LiveRun& run) {
+  bool serve(LiveRun& run, double left) {
     bool answered = false;
     {
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -235,6 +333,7 @@ class VirtualRigBridge::Impl {
       want_stop_ = want_bias_ = want_run_ = false;
       time_ = run.time();
       phase_ = to_string(run.phase());
+      left_ = left;
       messages_ = run.messages();
     }
     if (answered) wake_.notify_all();
@@ -306,6 +405,7 @@ class VirtualRigBridge::Impl {
       status.summary(DiagnosticStatus::OK, phase_);
     status.add("run", runs_);
     status.add("time in the run (s)", time_);
+    if (remote_) status.add("time left (s)", left_);
     status.add("real-time factor asked for", settings_.real_time_factor);
     status.add("real-time factor reached", reached);
     status.add("messages of the run", messages_);
@@ -316,6 +416,7 @@ class VirtualRigBridge::Impl {
   ros::NodeHandle node_;
   Pacer pacer_;
   RigView view_;
+  std::unique_ptr<RemoteWheel> remote_;  // fidelity dem
   diagnostic_updater::Updater updater_;
   ros::Publisher wrench_, displacement_, joints_, temperature_, status_, clock_;
   ros::ServiceServer start_, stop_, bias_;
@@ -329,7 +430,8 @@ class VirtualRigBridge::Impl {
   bool bias_taken_ = false;
   bool running_ = false;
   bool held_ = false;
-  bool quit_ = false;
+  std::atomic<bool> quit_{false};
+  double left_ = 0.0;
   std::string failure_;
   std::string phase_;
   double time_ = 0.0;

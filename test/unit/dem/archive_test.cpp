@@ -51,6 +51,16 @@ class ArchiveTest : public testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ArchiveTest, ComesThroughAMessageBitByBit) {
+  const Archive sent = sample(1.0 / 3.0);
+  const std::vector<std::uint8_t> bytes = archive_bytes("bed", sent);
+  EXPECT_EQ(archive_from_bytes(bytes, "bed", "message").hash(), sent.hash());
+  EXPECT_THROW(archive_from_bytes(bytes, "checkpoint", "message"), Error);
+  EXPECT_THROW(archive_from_bytes({bytes.begin(), bytes.begin() + bytes.size() / 2}, "bed", "message"),
+               Error);
+  EXPECT_THROW(archive_from_bytes({}, "bed", "message"), Error);
+}
+
 TEST_F(ArchiveTest, ComesBackBitByBit) {
   const Archive written = sample(1.0 / 3.0);
   write_archive(file("a.h5"), "bed", written);

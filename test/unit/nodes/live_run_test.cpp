@@ -115,7 +115,6 @@ TEST_F(LiveRunTest, ATwinThatFollowsItsOwnRigHasNoResidual) {
   setup.wheel = wheel;
   setup.soil = soil;
   setup.run = settings;
-  setup.fidelity = "semi_empirical";
   Follower follower(FollowerSettings{}, std::make_unique<ReplayTwin>(setup));
   double squares = 0.0, worst_displacement = 0.0;
   std::size_t count = 0;

@@ -1,0 +1,51 @@
+// Wheel and soil in other nodes, behind the rig's contact interface: each call asks flexible_wheel (topics
+// rig/hub_motion and wheel/hub_load) and waits for the answer of the same number. Frame `rig`, SI units.
+#pragma once
+
+#include <wheel_twin/HubLoad.h>
+#include <wheel_twin/HubMotion.h>
+
+#include <functional>
+#include <string>
+
+#include "nodes/link.h"
+#include "rig/contact.h"
+
+namespace wheel_twin::nodes {
+
+class RemoteWheel final : public rig::Contact {
+ public:
+  /// `patience`: s that the wheel may be silent during a run. `quit`: the node ends. One at a time.
+  RemoteWheel(const ros::NodeHandle& node, double patience, std::function<bool()> quit);
+  ~RemoteWheel() override;
+
+  struct Opening {
+    std::string wheel, soil, settings;  ///< names of what takes part
+    double clearance = 0.0;             ///< height of the hub at which a run can start, m
+  };
+  /// Begins a run, on the untouched bed or from a checkpoint (a file of the wheel's machine; empty: none).
+  /// The bed may have to be made first, which takes minutes.
+  Opening open(const std::string& checkpoint);
+
+  /// All throw Error naming the side and the step when wheel or soil fail, are gone or stall, NodeEnds when
+  /// the node ends.
+  rig::HubLoad advance(const rig::HubMotion& motion) override;
+  void write_checkpoint(const std::string& path);
+  bool replaying() const { return replaying_; }
+  void hold();  ///< no request for a while
+  /// The run is over; `why`: what cut it short, or empty.
+  void close(const std::string& why);
+
+ private:
+  boost::shared_ptr<HubMotion> request(std::uint8_t kind);
+  boost::shared_ptr<const HubLoad> ask(const boost::shared_ptr<const HubMotion>& question, double patience);
+
+  Link<HubMotion, HubLoad> link_;
+  double patience_;
+  std::uint64_t run_ = 0;
+  std::uint64_t step_ = 0;
+  bool open_ = false;
+  bool replaying_ = false;
+};
+
+}  // namespace wheel_twin::nodes
