@@ -88,21 +88,28 @@ Result own(const WheelModel& model) {
       [&] { return wheel.largest_joint_gap(); });
 }
 
+/// A world of Bullet without gravity and what both rings in it have in common.
+template <class World, class Solver>
+struct RingWorld {
+  explicit RingWorld(const WheelModel& wheel) : model(wheel) { world.setGravity({0, 0, 0}); }
+
+  WheelModel model;
+  double half = 0.5 * wheel_twin::wheel::segment_length(model);
+  double apothem = model.radius * std::cos(M_PI / model.segments);
+  double mass = model.rim.density * model.rim.width * model.rim.thickness * 2.0 * half;
+  double inertia = mass * (4.0 * half * half + model.rim.thickness * model.rim.thickness) / 12.0;
+  btVector3 pivot{half, 0, 0};
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  Solver solver;
+  World world{&dispatcher, &broadphase, &solver, &configuration};
+};
+
 /// The rim in Bullet's plane x-z, axis y, as rigid bodies with hinges.
-struct HingeRing {
-  HingeRing(const WheelModel& wheel, int iterations) : model(wheel) {
-    configuration = std::make_unique<btDefaultCollisionConfiguration>();
-    dispatcher = std::make_unique<btCollisionDispatcher>(configuration.get());
-    broadphase = std::make_unique<btDbvtBroadphase>();
-    solver = std::make_unique<btSequentialImpulseConstraintSolver>();
-    world = std::make_unique<btDiscreteDynamicsWorld>(dispatcher.get(), broadphase.get(), solver.get(),
-                                                      configuration.get());
-    world->setGravity({0, 0, 0});
-    world->getSolverInfo().m_numIterations = iterations;
-    const double half = 0.5 * wheel_twin::wheel::segment_length(model);
-    const double apothem = model.radius * std::cos(M_PI / model.segments);
-    mass = model.rim.density * model.rim.width * model.rim.thickness * 2.0 * half;
-    inertia = mass * (4.0 * half * half + model.rim.thickness * model.rim.thickness) / 12.0;
+struct HingeRing : RingWorld<btDiscreteDynamicsWorld, btSequentialImpulseConstraintSolver> {
+  HingeRing(const WheelModel& wheel, int iterations) : RingWorld(wheel) {
+    world.getSolverInfo().m_numIterations = iterations;
     shape = std::make_unique<btBoxShape>(btVector3(half, 0.5 * model.rim.width, 0.5 * model.rim.thickness));
     for (int i = 0; i < model.segments; ++i) {
       const double angle = 2.0 * M_PI * i / model.segments;
@@ -116,20 +123,19 @@ struct HingeRing {
       bodies.back()->setActivationState(DISABLE_DEACTIVATION);
       bodies.back()->setAngularVelocity({0, kRate, 0});
       bodies.back()->setLinearVelocity(btVector3(0, kRate, 0).cross(pose.getOrigin()));
-      world->addRigidBody(bodies.back().get(), 0, 0);
+      world.addRigidBody(bodies.back().get(), 0, 0);
     }
     const btVector3 axis(0, 1, 0);
     for (int i = 0; i < model.segments; ++i) {
       hinges.push_back(std::make_unique<btHingeConstraint>(*bodies[i], *bodies[(i + 1) % model.segments],
                                                            btVector3(half, 0, 0), btVector3(-half, 0, 0),
                                                            axis, axis));
-      world->addConstraint(hinges.back().get(), true);
+      world.addConstraint(hinges.back().get(), true);
     }
-    pivot = btVector3(half, 0, 0);
   }
   ~HingeRing() {
-    for (auto& hinge : hinges) world->removeConstraint(hinge.get());
-    for (auto& body : bodies) world->removeRigidBody(body.get());
+    for (auto& hinge : hinges) world.removeConstraint(hinge.get());
+    for (auto& body : bodies) world.removeRigidBody(body.get());
   }
 
   double turn(int i) const {
@@ -146,7 +152,7 @@ struct HingeRing {
     }
     bodies[0]->applyCentralForce({0, 0, -force});
     bodies[model.segments / 2]->applyCentralForce({0, 0, force});
-    world->stepSimulation(kStep, 0, kStep);
+    world.stepSimulation(kStep, 0, kStep);
   }
   double momentum() const {
     double sum = 0.0;
@@ -175,33 +181,14 @@ struct HingeRing {
     return largest;
   }
 
-  WheelModel model;
-  double mass = 0.0, inertia = 0.0;
-  btVector3 pivot;
-  std::unique_ptr<btDefaultCollisionConfiguration> configuration;
-  std::unique_ptr<btCollisionDispatcher> dispatcher;
-  std::unique_ptr<btDbvtBroadphase> broadphase;
-  std::unique_ptr<btSequentialImpulseConstraintSolver> solver;
-  std::unique_ptr<btDiscreteDynamicsWorld> world;
   std::unique_ptr<btBoxShape> shape;
   std::vector<std::unique_ptr<btRigidBody>> bodies;
   std::vector<std::unique_ptr<btHingeConstraint>> hinges;
 };
 
 /// The rim as one articulated body: a floating segment, 63 revolute links, and a point-to-point loop closure.
-struct FeatherstoneRing {
-  explicit FeatherstoneRing(const WheelModel& wheel) : model(wheel) {
-    configuration = std::make_unique<btDefaultCollisionConfiguration>();
-    dispatcher = std::make_unique<btCollisionDispatcher>(configuration.get());
-    broadphase = std::make_unique<btDbvtBroadphase>();
-    solver = std::make_unique<btMultiBodyConstraintSolver>();
-    world = std::make_unique<btMultiBodyDynamicsWorld>(dispatcher.get(), broadphase.get(), solver.get(),
-                                                       configuration.get());
-    world->setGravity({0, 0, 0});
-    const double half = 0.5 * wheel_twin::wheel::segment_length(model);
-    const double apothem = model.radius * std::cos(M_PI / model.segments);
-    mass = model.rim.density * model.rim.width * model.rim.thickness * 2.0 * half;
-    inertia = mass * (4.0 * half * half + model.rim.thickness * model.rim.thickness) / 12.0;
+struct FeatherstoneRing : RingWorld<btMultiBodyDynamicsWorld, btMultiBodyConstraintSolver> {
+  explicit FeatherstoneRing(const WheelModel& wheel) : RingWorld(wheel) {
     const int links = model.segments - 1;
     const btVector3 inertias(inertia, inertia, inertia);
     body = std::make_unique<btMultiBody>(links, mass, inertias, false, false);
@@ -217,15 +204,14 @@ struct FeatherstoneRing {
     body->setCanSleep(false);
     body->setBaseOmega({0, kRate, 0});
     body->setBaseVel(btVector3(0, kRate, 0).cross(btVector3(0, 0, apothem)));
-    world->addMultiBody(body.get());
+    world.addMultiBody(body.get());
     loop = std::make_unique<btMultiBodyPoint2Point>(body.get(), links - 1, body.get(), -1,
                                                     btVector3(half, 0, 0), btVector3(-half, 0, 0));
-    world->addMultiBodyConstraint(loop.get());
-    pivot = btVector3(half, 0, 0);
+    world.addMultiBodyConstraint(loop.get());
   }
   ~FeatherstoneRing() {
-    world->removeMultiBodyConstraint(loop.get());
-    world->removeMultiBody(body.get());
+    world.removeMultiBodyConstraint(loop.get());
+    world.removeMultiBody(body.get());
   }
 
   btVector3 to_world(int link, const btVector3& local) const { return body->localPosToWorld(link, local); }
@@ -243,7 +229,7 @@ struct FeatherstoneRing {
     body->addBaseTorque({0, -closing, 0});
     body->addBaseForce({0, 0, -force});
     body->addLinkForce(model.segments / 2 - 1, {0, 0, force});
-    world->stepSimulation(kStep, 0, kStep);
+    world.stepSimulation(kStep, 0, kStep);
   }
   /// Centre positions and their rates by differences of a step: independent of the library's own bookkeeping.
   void look(std::vector<btVector3>& x, std::vector<double>& angle) const {
@@ -257,14 +243,6 @@ struct FeatherstoneRing {
   }
   double gap() const { return (to_world(model.segments - 2, pivot) - to_world(-1, -pivot)).length(); }
 
-  WheelModel model;
-  double mass = 0.0, inertia = 0.0;
-  btVector3 pivot;
-  std::unique_ptr<btDefaultCollisionConfiguration> configuration;
-  std::unique_ptr<btCollisionDispatcher> dispatcher;
-  std::unique_ptr<btDbvtBroadphase> broadphase;
-  std::unique_ptr<btMultiBodyConstraintSolver> solver;
-  std::unique_ptr<btMultiBodyDynamicsWorld> world;
   std::unique_ptr<btMultiBody> body;
   std::unique_ptr<btMultiBodyPoint2Point> loop;
 };
