@@ -18,6 +18,7 @@ DemSoilSettings bed_settings(const DemSettings& s, int threads, bool track_energ
   settings.rig_step = rig_step;
   settings.headroom = s.headroom;
   settings.threads = threads;
+  settings.sleep = s.sleep;
   settings.track_energy = track_energy;
   return settings;
 }

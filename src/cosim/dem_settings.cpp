@@ -20,6 +20,14 @@ DemSettings read_dem_settings(const yaml::Map& map) {
   s.step_fraction = map.optional_number("step_fraction", {0.01, 0.5});
   s.start_x = map.number("start_x", {0.0, s.bed.length});
   s.headroom = map.number_or("headroom", s.headroom, {0.05, 5.0});
+  if (map.has("sleep")) {
+    const yaml::Map sleep = map.map("sleep");
+    s.sleep.enabled = true;
+    s.sleep.speed = sleep.number("speed", yaml::positive());
+    s.sleep.force = sleep.number("force", yaml::positive());
+    s.sleep.time = sleep.number("time", yaml::positive());
+    sleep.finish();
+  }
   const yaml::Map profile = map.map("profile");
   s.profile.lowering_speed = profile.number("lowering_speed", {0.001, 1.0});
   s.profile.dwell = profile.number("dwell", yaml::non_negative());

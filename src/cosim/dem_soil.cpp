@@ -23,6 +23,7 @@ dem::System make_system(const dem::GranularSoil& soil, const dem::Bed& bed, cons
   dem::WorldSettings world = plain.settings();
   world.particle_materials = changed.grain_materials;
   world.track_energy = settings.track_energy;
+  world.sleep = settings.sleep;
   world.gravity = bed_from_rig * world.gravity;
   const double longest = soil.step_fraction * plain.rayleigh_step();
   world.time_step = settings.rig_step / std::ceil(settings.rig_step / longest);

@@ -22,6 +22,7 @@ struct DemSoilSettings {
   double rig_step = 0.001;  ///< s, of which the soil's step is a whole fraction
   double headroom = 0.3;    ///< of the domain above the surface, m
   int threads = 1;
+  dem::SleepSettings sleep;   ///< of the bed's still parts
   bool track_energy = false;  ///< the engine's energy book; slower
 };
 
