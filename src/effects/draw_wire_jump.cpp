@@ -1,4 +1,7 @@
-// A spool that skips: the draw wire reads `step` more from `time` after the start of each run.
+// A spool that skips: the draw wire reads `step` more from `time` after the start of each run; the skip takes
+// half a second.
+#include <algorithm>
+
 #include "effects/catalogue.h"
 
 namespace wheel_twin::effects {
@@ -12,10 +15,11 @@ class DrawWireJump final : public Effect, public rig::SensorPort {
 
   void change_displacement(const rig::RigState& state, double /*normal_load*/,
                            double& displacement) const override {
-    if (state.time >= time_) displacement += step_;
+    displacement += step_ * std::clamp((state.time - time_) / duration + 0.5, 0.0, 1.0);
   }
 
  private:
+  static constexpr double duration = 0.5;  // s
   double step_;
   double time_;
 };

@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 
 #include "base/error.h"
 #include "twin/fluctuation.h"
@@ -49,44 +49,42 @@ double mean_error(const RunGrid& run, const ChannelNoise& noise) {
   return noise.deviation / std::sqrt(independent);
 }
 
-double typical_slip(const RunGrid& run) {
-  double sum = 0.0;
-  int count = 0;
-  for (int i = 0; i < run.bins(); ++i)
-    if (run.moving[static_cast<std::size_t>(i)]) {
-      sum += run.slip[i];
-      ++count;
-    }
-  return count > 0 ? sum / count : run.declared.slip;
-}
-
 double kernel(double slip, double load, const Correction& c) {
   const double a = slip / c.slip_length, b = load / c.load_length;
   return std::exp(-0.5 * (a * a + b * b));
 }
 
-/// Gaussian-process mean of what a channel is left with; sets the run offset of its noise to the deviation
-/// that remains between runs.
-Correction correct(int channel, const std::vector<const RunGrid*>& runs,
-                   const std::vector<Residual>& residuals, ChannelNoise& noise, double floor,
-                   double* foretold = nullptr) {
-  Correction correction;
+/// What a channel is left with, as a smooth function of slip and load.
+struct Remainder {
+  Correction correction;    // Gaussian-process mean; without weights where the channel is not measured
+  double run_offset = 0.0;  // deviation that remains between runs
+  double foretold = 0.0;    // share of the levels' variance that the other runs foretell of a run
+};
+
+/// `noise` of each run; the offset that remains is at least `floor`.
+Remainder remainder(int channel, const std::vector<const RunGrid*>& runs,
+                    const std::vector<Residual>& residuals, const std::vector<NoiseModel>& noise,
+                    double floor) {
+  Remainder result;
+  Correction& correction = result.correction;
   correction.channel = all_channels[static_cast<std::size_t>(channel)];
   std::vector<double> left, error;
+  double own = 0.0;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const double mean = moving_mean(*runs[r], residuals[r], channel);
     if (!std::isfinite(mean)) continue;
     correction.slip.push_back(typical_slip(*runs[r]));
     correction.load.push_back(runs[r]->declared.load);
     left.push_back(mean);
-    error.push_back(mean_error(*runs[r], noise));
+    error.push_back(mean_error(*runs[r], noise[r][static_cast<std::size_t>(channel)]));
+    own += error.back() * error.back();
   }
   const auto n = static_cast<Eigen::Index>(left.size());
-  if (n == 0) return correction;
+  if (n == 0) return result;
+  own /= static_cast<double>(n);
   double square = 0.0;
   for (const double m : left) square += m * m / static_cast<double>(n);
-  const double least = std::max(floor, error.front());
-  const double variance = std::max(square, least * least);
+  const double variance = std::max({square, floor * floor, own});
   Eigen::MatrixXd covariance(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j < n; ++j) {
@@ -101,20 +99,18 @@ Correction correct(int channel, const std::vector<const RunGrid*>& runs,
   // Leave-one-out error of the correction: (K^-1 m)_i / (K^-1)_ii.
   double loo = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) loo += std::pow(alpha[i] / inverse(i, i), 2) / static_cast<double>(n);
-  if (foretold != nullptr) *foretold = square > 0.0 ? 1.0 - loo / square : 0.0;
-  const double own = error.front() * error.front();
+  result.foretold = square > 0.0 ? 1.0 - loo / square : 0.0;
   // Reference runs further apart than the kernel's length say nothing between them: half of what was left
   // remains.
-  noise.run_offset = std::sqrt(std::max(std::min(loo, square) * 0.25 + own, floor * floor));
-  return correction;
+  result.run_offset = std::sqrt(std::max(std::min(loo, square) * 0.25 + own, floor * floor));
+  return result;
 }
 
 /// How gradually a wheel leaves its print, by the first moving seconds of the runs.
 double best_start_up(const TwinConfig& model, const std::vector<const RunGrid*>& runs,
                      const NoiseModel& noise) {
-  double best = 1.0, least = std::numeric_limits<double>::infinity();
-  for (const double start_up : {0.0, 0.1, 0.25, 0.5, 1.0, 2.0}) {
-    TwinConfig tried = model;
+  TwinConfig tried = model;
+  const auto misfit = [&](double start_up) {
     tried.start_up = start_up;
     double sum = 0.0;
     for (const RunGrid* run : runs) {
@@ -122,8 +118,17 @@ double best_start_up(const TwinConfig& model, const std::vector<const RunGrid*>&
       whiten(*run, residual_of(*run, simulate(tried, *run)), noise, whitened);
       for (const double w : whitened) sum += w * w;
     }
+    return sum;
+  };
+  double best = 0.0, least = misfit(0.0);
+  const auto look = [&](double start_up) {
+    const double sum = misfit(start_up);
     if (sum < least) least = sum, best = start_up;
-  }
+  };
+  for (const double start_up : {0.1, 0.25, 0.5, 1.0, 2.0}) look(start_up);
+  for (const double factor : {1.4, 1.2, 1.1})
+    for (const double start_up : {best * factor, best / factor})
+      if (best > 0.0) look(start_up);
   return best;
 }
 
@@ -156,37 +161,29 @@ std::vector<Unknown> baseline_unknowns(const TwinConfig& m) {
 
 TwinConfig with_baseline(const TwinConfig& model, const std::vector<Unknown>& unknowns,
                          const std::vector<double>& x) {
+  using Set = void (*)(TwinConfig&, double);
+  static const std::map<std::string, Set> setters = {
+      {"ln_stiffness",
+       [](TwinConfig& m, double v) {
+         m.soil.k_c *= std::exp(v);
+         m.soil.k_phi *= std::exp(v);
+       }},
+      {"n", [](TwinConfig& m, double v) { m.soil.n = v; }},
+      {"c", [](TwinConfig& m, double v) { m.soil.c = v; }},
+      {"phi", [](TwinConfig& m, double v) { m.soil.phi = v; }},
+      {"ln_K", [](TwinConfig& m, double v) { m.soil.K *= std::exp(v); }},
+      {"c1", [](TwinConfig& m, double v) { m.soil.c1 = v; }},
+      {"c2", [](TwinConfig& m, double v) { m.soil.c2 = v; }},
+      {"gamma", [](TwinConfig& m, double v) { m.soil.gamma = v; }},
+      {"arm_z", [](TwinConfig& m, double v) { m.rig.mount.arm_z = v; }},
+      {"drive_torque_share", [](TwinConfig& m, double v) { m.rig.mount.drive_torque_share = v; }},
+      {"drive_loss", [](TwinConfig& m, double v) { m.rig.drive.coulomb_loss = v; }},
+      {"ln_hub_stiffness", [](TwinConfig& m, double v) { *m.wheel.stiffness *= std::exp(v); }}};
   TwinConfig m = model;
   for (std::size_t i = 0; i < unknowns.size(); ++i) {
-    const std::string& name = unknowns[i].name;
-    if (name == "ln_stiffness") {
-      m.soil.k_c = model.soil.k_c * std::exp(x[i]);
-      m.soil.k_phi = model.soil.k_phi * std::exp(x[i]);
-    } else if (name == "n") {
-      m.soil.n = x[i];
-    } else if (name == "c") {
-      m.soil.c = x[i];
-    } else if (name == "phi") {
-      m.soil.phi = x[i];
-    } else if (name == "ln_K") {
-      m.soil.K = model.soil.K * std::exp(x[i]);
-    } else if (name == "c1") {
-      m.soil.c1 = x[i];
-    } else if (name == "c2") {
-      m.soil.c2 = x[i];
-    } else if (name == "gamma") {
-      m.soil.gamma = x[i];
-    } else if (name == "arm_z") {
-      m.rig.mount.arm_z = x[i];
-    } else if (name == "drive_torque_share") {
-      m.rig.mount.drive_torque_share = x[i];
-    } else if (name == "drive_loss") {
-      m.rig.drive.coulomb_loss = x[i];
-    } else if (name == "ln_hub_stiffness") {
-      m.wheel.stiffness = *model.wheel.stiffness * std::exp(x[i]);
-    } else {
-      throw Error("the baseline has no unknown '" + name + "'");
-    }
+    const auto setter = setters.find(unknowns[i].name);
+    if (setter == setters.end()) throw Error("the baseline has no unknown '" + unknowns[i].name + "'");
+    setter->second(m, x[i]);
   }
   return m;
 }
@@ -210,7 +207,8 @@ std::vector<Unknown> unknowns_beside_shape(const Calibration& calibration) {
 }
 
 std::vector<Correction> remaining_corrections(const TwinConfig& model,
-                                              const std::vector<const RunGrid*>& runs, NoiseModel noise) {
+                                              const std::vector<const RunGrid*>& runs,
+                                              const std::vector<NoiseModel>& noise) {
   constexpr std::size_t least_runs = 4;
   constexpr double enough = 0.5;  // share of the levels' variance that must be foretold
   std::vector<Correction> found;
@@ -218,10 +216,8 @@ std::vector<Correction> remaining_corrections(const TwinConfig& model,
   std::vector<Residual> residuals;
   for (const RunGrid* run : runs) residuals.push_back(residual_of(*run, slow_course(model, *run)));
   for (int c = 0; c < channel_rows; ++c) {
-    double foretold = 0.0;
-    const Correction correction =
-        correct(c, runs, residuals, noise[static_cast<std::size_t>(c)], 0.0, &foretold);
-    if (!correction.weight.empty() && foretold > enough) found.push_back(correction);
+    const Remainder left = remainder(c, runs, residuals, noise, 0.0);
+    if (!left.correction.weight.empty() && left.foretold > enough) found.push_back(left.correction);
   }
   return found;
 }
@@ -251,10 +247,13 @@ Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGri
   std::vector<Residual> residuals;
   for (const RunGrid* run : runs) residuals.push_back(residual_of(*run, simulate(calibration.model, *run)));
   calibration.noise = estimate_noise(runs, residuals, floor);
+  const std::vector<NoiseModel> noise = noise_by_run(calibration.noise, runs, residuals, floor, runs);
   for (int c = 0; c < channel_rows; ++c) {
     const auto k = static_cast<std::size_t>(c);
-    const Correction correction = correct(c, runs, residuals, calibration.noise[k], 0.5 * floor[k]);
-    if (!correction.weight.empty()) calibration.model.corrections.push_back(correction);
+    const Remainder left = remainder(c, runs, residuals, noise, 0.5 * floor[k]);
+    if (left.correction.weight.empty()) continue;
+    calibration.noise[k].run_offset = left.run_offset;
+    calibration.model.corrections.push_back(left.correction);
   }
   return calibration;
 }

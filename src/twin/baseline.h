@@ -25,7 +25,8 @@ TwinConfig with_baseline(const TwinConfig& model, const std::vector<Unknown>& un
 /// What `model` still misses of the level of each channel on `runs`, as smooth functions of slip and load;
 /// only where leaving runs out shows that it foretells them.
 std::vector<Correction> remaining_corrections(const TwinConfig& model,
-                                              const std::vector<const RunGrid*>& runs, NoiseModel noise);
+                                              const std::vector<const RunGrid*>& runs,
+                                              const std::vector<NoiseModel>& noise);
 
 struct Calibration;
 

@@ -56,6 +56,12 @@ TwinConfig model_of(const Evidence& evidence, const Layout& layout, const std::v
   return model;
 }
 
+/// A time or a place: what it does is no smooth function of it, so that it is searched, not derived.
+bool is_searched(const effects::Parameter& p) {
+  return std::isnan(p.neutral) &&
+         ((p.unit == "m" && p.name == "position") || (p.unit == "s" && p.name == "time"));
+}
+
 /// Where a fit of one effect begins: half a scale to either side of neutral, and shape parameters on a grid.
 std::vector<std::vector<double>> starts_of(const effects::EffectType& type, const Evidence& evidence) {
   std::vector<std::vector<double>> starts = {{}};
@@ -134,7 +140,7 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
     course = simulate(model, grid);
     predicted = held != nullptr ? *held : evidence.calm[run];
   }
-  int next = whiten(grid, residual_of(grid, course), evidence.noise, out, block);
+  int next = whiten(grid, residual_of(grid, course), evidence.noise[run], out, block);
   if (evidence.fluctuation.known)
     for (const LogDeviation& measured : evidence.log_deviation[run]) {
       for (std::size_t c = 0; c < channel_count; ++c) {
@@ -182,12 +188,16 @@ struct Problem {
   Layout layout;
   std::vector<Unknown> unknowns;
   std::vector<std::vector<double>> starts;  // of the effects' parameters
+  std::vector<bool> searched;               // of all unknowns
 
   Problem(const Evidence& e, const std::vector<std::string>& names, const std::vector<std::size_t>& chosen,
           const std::vector<std::vector<double>>& known)
       : evidence(e), runs(chosen), layout(names, e.nuisance.size()), unknowns(e.nuisance) {
     for (const auto* type : layout.types)
       for (const effects::Parameter& p : type->parameters) unknowns.push_back(unknown_of(*type, p));
+    searched.assign(e.nuisance.size(), false);
+    for (const auto* type : layout.types)
+      for (const effects::Parameter& p : type->parameters) searched.push_back(is_searched(p));
     std::vector<double> prefix;
     for (const auto& values : known) prefix.insert(prefix.end(), values.begin(), values.end());
     starts = {prefix};
@@ -278,6 +288,7 @@ Look look_from(const Problem& problem, const std::vector<double>& start) {
   if (reuse) jacobian.leftCols(known.cols()) = known;
   for (Eigen::Index j = reuse ? known.cols() : 0; j < columns; ++j) {
     const auto k = static_cast<std::size_t>(j);
+    if (problem.searched[k]) continue;
     std::vector<double> near = look.x, there;
     near[k] += (near[k] + difference * unknowns[k].scale > unknowns[k].upper ? -1.0 : 1.0) * difference *
                unknowns[k].scale;
@@ -298,6 +309,32 @@ Look look_from(const Problem& problem, const std::vector<double>& start) {
   }
   look.jacobian = std::move(jacobian);
   return look;
+}
+
+/// A start moved along the times and places that are searched, by half the distance between two starts, a
+/// quarter, and so on, to where a look promises most.
+std::vector<double> searched_from(const Problem& problem, std::vector<double> start) {
+  constexpr int halvings = 5;
+  const std::size_t before = problem.evidence.nuisance.size();
+  for (std::size_t k = 0; k < start.size(); ++k) {
+    if (!problem.searched[before + k]) continue;
+    double distance = std::numeric_limits<double>::infinity();  // to the next start
+    for (const auto& other : problem.starts)
+      if (other[k] != start[k]) distance = std::min(distance, std::abs(other[k] - start[k]));
+    if (!std::isfinite(distance)) continue;
+    double best = look_from(problem, start).foretold;
+    for (int i = 0; i < halvings; ++i) {
+      distance *= 0.5;
+      const double middle = start[k];
+      for (const double value : {middle - distance, middle + distance}) {
+        std::vector<double> moved = start;
+        moved[k] = std::clamp(value, problem.unknowns[before + k].lower, problem.unknowns[before + k].upper);
+        const double foretold = look_from(problem, moved).foretold;
+        if (foretold < best) best = foretold, start = moved;
+      }
+    }
+  }
+  return start;
 }
 
 }  // namespace
@@ -360,12 +397,15 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
     looks.resize(2);
     for (const auto& [look, s] : looks) {
       if (!std::isfinite(look.foretold)) continue;
-      std::vector<Unknown> begin = problem.started(problem.starts[s]);
+      const std::vector<double> start =
+          by_friction ? problem.starts[s] : searched_from(problem, problem.starts[s]);
+      const Look closer = start == problem.starts[s] ? look : look_from(problem, start);
+      std::vector<Unknown> begin = problem.started(start);
       std::vector<double> before, after;
       problem.residuals(values_of(begin), false, {}, before);
-      if (!by_friction && problem.residuals(look.x, false, {}, after) &&
+      if (!by_friction && problem.residuals(closer.x, false, {}, after) &&
           square_sum(after) < square_sum(before))
-        for (std::size_t i = 0; i < begin.size(); ++i) begin[i].start = look.x[i];
+        for (std::size_t i = 0; i < begin.size(); ++i) begin[i].start = closer.x[i];
       begins.push_back(begin);
     }
   }
@@ -399,10 +439,16 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
   for (const auto* type : layout.types) {
     candidate.errors.emplace_back();
     const bool by_fluctuation = fluctuates && sticks(candidate.model);
-    for (std::size_t i = 0; i < type->parameters.size(); ++i, ++at)
-      candidate.errors.back().push_back(
+    for (std::size_t i = 0; i < type->parameters.size(); ++i, ++at) {
+      double error =
           std::hypot(std::sqrt(best.covariance(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(at))),
-                     by_fluctuation ? bed_to_bed * best.x[at] : 0.0));
+                     by_fluctuation ? bed_to_bed * best.x[at] : 0.0);
+      // The bin in which something happens is certain, its place within the bin hardly.
+      const double bin = evidence.runs.front()->bin;
+      if (problem.searched[at] && type->parameters[i].unit == "s")
+        error = std::clamp(error, bin / std::sqrt(12.0), bin);
+      candidate.errors.back().push_back(error);
+    }
     candidate.parameters += static_cast<int>(type->parameters.size());
   }
   candidate.fluctuates = fluctuates;

@@ -19,7 +19,7 @@ struct Evidence {
   std::vector<Unknown> nuisance;     ///< baseline unknowns fitted along (no reference runs); empty: none
   Eigen::MatrixXd nuisance_columns;  ///< derivatives of all runs' residuals by them, in units of their
                                      ///< scales; empty: taken anew at every look
-  NoiseModel noise;                  ///< of the measured runs
+  std::vector<NoiseModel> noise;     ///< of each run
   FluctuationModel fluctuation;
   std::vector<const RunGrid*> runs;                      ///< measured
   std::vector<std::vector<LogDeviation>> log_deviation;  ///< of each run, by stretch

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <vector>
+
+#include "base/random.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -31,6 +34,28 @@ Projection project(const std::vector<double>& residual, const std::vector<double
   return {rc / cc, deviation * std::sqrt(inflation / cc)};
 }
 
+/// Share of sign flips of `votes` whose sum reaches theirs.
+double sign_flip_p(const std::vector<double>& votes) {
+  constexpr int flips = 20000;
+  double sum = 0.0, square = 0.0;
+  for (const double v : votes) sum += v, square += v * v;
+  if (sum <= 0.0) return 1.0;
+  Random random(1, 17);
+  int reached = 0;
+  for (int k = 0; k < flips; ++k) {
+    double flipped = 0.0;
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < votes.size(); ++i, bits >>= 1) {
+      if (i % 64 == 0) bits = random.bits();
+      flipped += (bits & 1U) != 0U ? votes[i] : -votes[i];
+    }
+    if (flipped >= sum) ++reached;
+  }
+  // Hoeffding's bound holds for the flips, given the magnitudes; it tells what drawn flips do not resolve.
+  const double bound = std::exp(-0.5 * sum * sum / square);
+  return reached > 0 ? (1.0 + reached) / (1.0 + flips) : std::min(bound, 1.0 / flips);
+}
+
 void centre(std::vector<double>& course) {
   double mean = 0.0;
   for (const double v : course) mean += v / static_cast<double>(course.size());
@@ -43,7 +68,7 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
   std::vector<std::size_t> halves[2];
   for (std::size_t r = 0; r < evidence.runs.size(); ++r) halves[r % 2].push_back(r);
   if (halves[1].empty()) return 1.0;
-  double along = 0.0, square = 0.0;
+  std::vector<double> votes;
   for (int h = 0; h < 2; ++h) {
     Candidate base = nothing;
     if (!evidence.nuisance.empty()) base = fit_candidate(evidence, {}, halves[1 - h], {}, 6);
@@ -62,19 +87,17 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
         blocks[block[i]].along += without[i] * prediction;
         blocks[block[i]].square += prediction * prediction;
       }
-      // Each block votes with the share of the prediction that it shows, between -1 and 1, and counts as much
-      // as its prediction stands out of the noise, at most 1: no block, however loud, decides alone.
+      // Each block votes with the share of the prediction that it shows, between -1 and 1, and counts as its
+      // prediction stands out of the noise, at most as one of two deviations: no block, however loud, decides
+      // alone.
       for (const auto& entry : blocks) {
         const Block& b = entry.second;
         if (b.square < 1e-6) continue;
-        const double weight = std::min(1.0, std::sqrt(b.square));
-        along += weight * std::clamp(b.along / b.square, -1.0, 1.0);
-        square += weight * weight;
+        votes.push_back(std::min(4.0, b.square) * std::clamp(b.along / b.square, -1.0, 1.0));
       }
     }
   }
-  if (along <= 0.0 || square <= 0.0) return 1.0;
-  return std::min(1.0, std::exp(-0.5 * along * along / square));
+  return sign_flip_p(votes);
 }
 
 Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool fluctuates) {
@@ -100,7 +123,7 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
     const LogDeviation measured_deviation = mean_of(evidence.log_deviation[r]);
     for (const Channel channel : all_channels) {
       const auto c = static_cast<Eigen::Index>(index_of(channel));
-      const ChannelNoise& noise = evidence.noise[static_cast<std::size_t>(c)];
+      const ChannelNoise& noise = evidence.noise[r][static_cast<std::size_t>(c)];
       std::vector<double> values, level, time, turn_cos, turn_sin;
       for (int i = 0; i < grid.bins(); ++i) {
         if (!grid.moving[static_cast<std::size_t>(i)] || !std::isfinite(residual.bins(c, i))) continue;

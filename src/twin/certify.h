@@ -1,7 +1,7 @@
 // Finite-sample tests. An effect counts only when what it predicts for runs that it was not fitted to goes
-// along with their residual: sign-flip test over blocks of time, with Hoeffding's bound (1963) on the tail,
-// so that no distribution is assumed beyond symmetry. The question "is there anything" is asked of every
-// run's features with Bonferroni's correction.
+// along with their residual: sign-flip test over blocks of time, by drawn flips, with Hoeffding's bound
+// (1963) beyond what they resolve, so that no distribution is assumed beyond symmetry. The question "is there
+// anything" is asked of every run's features with Bonferroni's correction.
 #pragma once
 
 #include <string>

@@ -26,6 +26,7 @@ constexpr double mostly_explained = 0.9;  // of the chi-square above what noise 
 constexpr double never_explained = 6.0;   // error after over noise floor
 constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
 constexpr double least_share = 0.05;      // of it that a second effect must explain
+constexpr int fewest_steady_bins = 12;    // of a run
 constexpr double lag_tolerance = 0.1;     // s, between runs of one clock
 constexpr std::size_t refined = 8;        // candidates that are listed
 constexpr std::size_t fitted_singles = 14, fitted_pairs = 7;  // of those that promise most
@@ -61,8 +62,26 @@ double rmse(const std::vector<const RunGrid*>& runs, const std::vector<Predicted
   return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : std::nan("");
 }
 
+/// Root mean square of the noise floors of the runs, each with as much weight as it has values.
+double common_floor(const std::vector<const RunGrid*>& runs, const std::vector<NoiseModel>& noise,
+                    Eigen::Index channel) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    double values = 0.0;
+    for (int i = 0; i < runs[r]->bins(); ++i)
+      if (runs[r]->moving[static_cast<std::size_t>(i)] && std::isfinite(runs[r]->measured(channel, i)))
+        values += 1.0;
+    for (const WindowMean& window : runs[r]->windows)
+      if (index_of(window.channel) == static_cast<std::size_t>(channel)) values += 1.0;
+    sum += values * std::pow(floor_of(noise[r][static_cast<std::size_t>(channel)]), 2);
+    count += values;
+  }
+  return std::sqrt(sum / std::max(1.0, count));
+}
+
+/// `noise` of each run.
 Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& before, const TwinConfig& after,
-                 const NoiseModel& noise) {
+                 const std::vector<NoiseModel>& noise) {
   std::vector<Predicted> with, without;
   for (const RunGrid* run : runs) {
     without.push_back(slow_course(before, *run));
@@ -72,8 +91,7 @@ Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& befo
   for (const Channel channel : all_channels) {
     const auto c = static_cast<Eigen::Index>(index_of(channel));
     const double value = rmse(runs, without, c);
-    if (std::isfinite(value))
-      errors[channel] = {value, rmse(runs, with, c), floor_of(noise[static_cast<std::size_t>(c)])};
+    if (std::isfinite(value)) errors[channel] = {value, rmse(runs, with, c), common_floor(runs, noise, c)};
   }
   return errors;
 }
@@ -126,6 +144,25 @@ NoiseModel common_noise(const NoiseModel& reference, const NoiseModel& measured)
       noise[c].deviation = measured[c].deviation;
       noise[c].keep = measured[c].keep;
     }
+  return noise;
+}
+
+/// Runs and what a twin leaves of them: what noise is estimated from.
+struct Left {
+  std::vector<const RunGrid*> runs;
+  std::vector<Residual> residuals;
+};
+
+/// Noise of each of `runs` by what the calibrated twin leaves of the reference runs (empty: none) and by what
+/// the best explanation leaves of the measured ones.
+std::vector<NoiseModel> noise_of(const std::vector<const RunGrid*>& runs, const Calibration& calibration,
+                                 const Left& references, const Left& measured, const NoiseFloor& floor) {
+  const NoiseModel measured_noise = estimate_noise(measured.runs, measured.residuals, floor);
+  const Left& calm = references.runs.empty() ? measured : references;
+  const auto a = noise_by_run(calibration.noise, calm.runs, calm.residuals, floor, runs);
+  const auto b = noise_by_run(measured_noise, measured.runs, measured.residuals, floor, runs);
+  std::vector<NoiseModel> noise;
+  for (std::size_t r = 0; r < runs.size(); ++r) noise.push_back(common_noise(a[r], b[r]));
   return noise;
 }
 
@@ -270,11 +307,52 @@ std::string correlations(const Evidence& evidence, const TwinConfig& model) {
       ss += (slip[i] - ms) * (slip[i] - ms);
     }
     const double r = ll > 0.0 && ss > 0.0 ? ls / std::sqrt(ll * ss) : 0.0;
-    if (std::abs(r) > 0.8 &&
-        std::sqrt(ll / n) > 2.0 * evidence.noise[static_cast<std::size_t>(index_of(channel))].run_offset)
+    if (std::abs(r) > 0.8 && std::sqrt(ll / n) > 2.0 * evidence.noise.front()[index_of(channel)].run_offset)
       text += fmt::format("; the level of {} follows slip (correlation {:+.2f})", name_of(channel), r);
   }
   return text;
+}
+
+/// Runs that can be explained, errors of recording put right; tells of both. Throws Error when most runs are
+/// no logs of what is declared.
+std::vector<const RunGrid*> usable_runs(const TwinConfig& declared, Diagnosis& d) {
+  std::vector<RunGrid*> moving[2];  // references, others
+  for (RunGrid& grid : d.grids) {
+    if (steady_bins_of(grid) < fewest_steady_bins)
+      d.warnings.push_back(fmt::format("{}: no steady part ({:.3g} s at constant speeds), left out",
+                                       grid.name, steady_bins_of(grid) * grid.bin));
+    else
+      moving[grid.declared.role == logs::Role::reference ? 0 : 1].push_back(&grid);
+  }
+  std::vector<const RunGrid*> usable;
+  std::size_t all = 0;
+  std::string reason;
+  for (const auto& runs : moving) {
+    for (const RecordingError& error : put_right(runs, declared)) d.recording_errors.push_back(error);
+    for (const RunGrid* run : runs) {
+      ++all;
+      const std::string why = contradiction(*run);
+      if (why.empty()) {
+        usable.push_back(run);
+        continue;
+      }
+      reason = run->name + ": " + why;
+      d.warnings.push_back(reason + "; left out");
+    }
+  }
+  if (2 * usable.size() < all)
+    throw Error(fmt::format("{}: {} of {} runs are no logs of what is declared ({})", d.experiment,
+                            all - usable.size(), all, reason));
+  return usable;
+}
+
+std::string told(const std::vector<RecordingError>& errors) {
+  std::string text;
+  for (const RecordingError& error : errors) {
+    text += fmt::format("{}{} (in {}", text.empty() ? "Recording: " : "; ", error.what, error.runs.front());
+    text += error.runs.size() > 1 ? fmt::format(" to {})", error.runs.back()) : ")";
+  }
+  return text.empty() ? text : text + ". It was put right before what follows. ";
 }
 
 }  // namespace
@@ -291,20 +369,18 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     diagnose_by_means(experiment, options, d);
     return d;
   }
+  const TwinConfig declared = declared_twin(experiment);
   std::vector<const RunGrid*> references, measured, held_out;
-  for (const RunGrid& grid : d.grids) {
-    const bool moves = std::find(grid.moving.begin(), grid.moving.end(), true) != grid.moving.end();
-    if (!moves) {
-      d.warnings.push_back(grid.name + ": neither wheel nor carriage moves, left out");
-      continue;
-    }
+  for (const RunGrid* run : usable_runs(declared, d)) {
+    const RunGrid& grid = *run;
     (grid.declared.role == logs::Role::reference  ? references
      : grid.declared.role == logs::Role::measured ? measured
                                                   : held_out)
         .push_back(&grid);
   }
   if (measured.empty())
-    throw Error(experiment.name + ": no measured run in which the wheel moves, nothing to diagnose");
+    throw Error(fmt::format("{}: no measured run to diagnose{}", experiment.name,
+                            d.warnings.empty() ? "" : " (" + d.warnings.front() + ")"));
   const bool calibrated = references.size() >= 2;
   if (!calibrated) d.warnings.push_back("no reference runs: the baseline is fitted together with the effect");
   // Some measured runs are never fitted, so that what is claimed can be scored on them.
@@ -316,7 +392,6 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   for (const RunGrid* run : held_out) d.held_out.push_back(run->name);
 
   const NoiseFloor floor = noise_floor(experiment, grid_options.bin);
-  const TwinConfig declared = declared_twin(experiment);
   const Calibration calibration = calibrate(declared, calibrated ? references : measured, floor);
   d.before = calibration.model;
 
@@ -325,21 +400,25 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   Evidence evidence;
   evidence.baseline = d.before;
   evidence.runs = measured;
-  std::vector<Residual> residuals;
+  Left left_of_measured{measured, {}}, left_of_references;
+  std::vector<Residual>& residuals = left_of_measured.residuals;
   for (const RunGrid* run : measured) residuals.push_back(residual_of(*run, simulate(d.before, *run)));
-  evidence.noise = common_noise(calibration.noise, estimate_noise(measured, residuals, floor));
   double reference_lag = 0.0;
   if (calibrated) {
-    std::vector<Residual> reference_residuals;
+    left_of_references.runs = references;
     for (const RunGrid* run : references)
-      reference_residuals.push_back(residual_of(*run, simulate(d.before, *run)));
+      left_of_references.residuals.push_back(residual_of(*run, simulate(d.before, *run)));
     reference_lag = common_lag(references).value_or(0.0);
-    evidence.fluctuation = fit_fluctuation(d.before, references, reference_residuals);
+    evidence.fluctuation = fit_fluctuation(d.before, references, left_of_references.residuals);
   } else {
     evidence.baseline.corrections.clear();
     d.before = evidence.baseline;
     evidence.nuisance = unknowns_beside_shape(calibration);
   }
+  const auto noise_of_runs = [&](const std::vector<const RunGrid*>& runs) {
+    return noise_of(runs, calibration, left_of_references, left_of_measured, floor);
+  };
+  evidence.noise = noise_of_runs(measured);
   const std::optional<double> measured_lag = common_lag(measured);
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
@@ -365,7 +444,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     residuals.clear();
     for (const RunGrid* run : measured)
       residuals.push_back(residual_of(*run, slow_course(singles.front().model, *run)));
-    evidence.noise = common_noise(calibration.noise, estimate_noise(measured, residuals, floor));
+    evidence.noise = noise_of_runs(measured);
     tracing.judge_again(nothing);
     for (Candidate& c : singles) tracing.judge_again(c);
     const auto lowest =
@@ -417,7 +496,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   if (!something)
-    d.verdict = "no_residual";
+    d.verdict = d.recording_errors.empty() ? "no_residual" : "unexplained";
   else if (p_best < options.false_alarm_rate && unexplained < 0.5)
     d.verdict = "effect_found";
   else
@@ -453,10 +532,10 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     }
   }
   d.error = errors_of(measured, d.before, d.revised, evidence.noise);
-  if (!held_out.empty()) d.held_out_error = errors_of(held_out, d.before, d.revised, evidence.noise);
+  if (!held_out.empty()) d.held_out_error = errors_of(held_out, d.before, d.revised, noise_of_runs(held_out));
   d.left = ask_residual(evidence, d.revised, d.verdict == "effect_found" && best.fluctuates);
 
-  if (d.verdict == "no_residual") {
+  if (!something) {
     d.evidence = fmt::format(
         "The residual of the calibrated twin is noise: no feature of any run stands out (corrected p = "
         "{:.2g}) and no effect of the catalogue predicts runs that it was not fitted to (best: {}, corrected "
@@ -485,11 +564,23 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
           "it as an empirical correction, which has no physical name.",
           corrected_channels);
   } else {
-    d.evidence = fmt::format(
-        "The residual is more than noise: {}{}. No effect of the catalogue brings it to the noise level: the "
-        "best, {}, leaves {:.1f} times the noise floor (corrected p = {:.2g}).",
-        describe(d.omnibus), correlations(evidence, nothing.model), effect_list(best.effects), ratio, p_best);
+    d.evidence = fmt::format("The residual is more than noise: {}{}. ", describe(d.omnibus),
+                             correlations(evidence, nothing.model));
+    if (measured.size() < 2)
+      d.evidence += "With one measured run no effect can be put to the test on a run it was not fitted to.";
+    else if (p_best >= options.false_alarm_rate)
+      d.evidence += fmt::format(
+          "No effect of the catalogue foretells runs that it was not fitted to: the best is {} (corrected p "
+          "= "
+          "{:.2g}).",
+          effect_list(best.effects), p_best);
+    else
+      d.evidence += fmt::format(
+          "No effect of the catalogue brings it to the noise level: the best, {}, leaves {:.1f} times the "
+          "noise floor (corrected p = {:.2g}).",
+          effect_list(best.effects), ratio, p_best);
   }
+  d.evidence = told(d.recording_errors) + d.evidence;
   return d;
 }
 

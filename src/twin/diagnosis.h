@@ -11,6 +11,7 @@
 #include "twin/candidates.h"
 #include "twin/certify.h"
 #include "twin/channel_error.h"
+#include "twin/recording_errors.h"
 #include "twin/steady_report.h"
 
 namespace wheel_twin::twin {
@@ -42,6 +43,7 @@ struct Diagnosis {
   Errors held_out_error;  ///< runs never fitted; empty when there are none
   std::vector<std::string> held_out;
   std::vector<std::string> warnings;
+  std::vector<RecordingError> recording_errors;  ///< found and put right before any physics
   std::string evidence;
   std::map<std::string, double> effect_probability;  ///< where it is not that of the leading candidate
   std::vector<RunGrid> grids;                        ///< of every run, for plots

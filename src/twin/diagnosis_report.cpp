@@ -184,6 +184,9 @@ std::string diagnosis_json(const Diagnosis& d) {
   }
   if (d.steady) json.update(steady_json(*d.steady));
   json["warnings"] = d.warnings;
+  json["recording_errors"] = Json::array();
+  for (const RecordingError& error : d.recording_errors)
+    json["recording_errors"].push_back({{"what", error.what}, {"runs", error.runs}});
   json["evidence"] = d.evidence;
   return json.dump(1) + "\n";
 }
@@ -191,6 +194,8 @@ std::string diagnosis_json(const Diagnosis& d) {
 std::string diagnosis_page(const Diagnosis& d) {
   std::string html = page::heading("Diagnosis of " + d.experiment, headline(d));
   html += page::paragraph(d.evidence);
+  for (const RecordingError& error : d.recording_errors)
+    html += page::note(fmt::format("Recording: {} ({} runs).", error.what, error.runs.size()));
   for (const std::string& warning : d.warnings) html += page::note("Note: " + warning);
   std::string rows;
   for (std::size_t i = 0; i < std::min(shown_candidates, d.candidates.size()); ++i) {

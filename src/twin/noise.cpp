@@ -8,7 +8,8 @@
 namespace wheel_twin::twin {
 namespace {
 
-constexpr int level_window = 31;  // bins of the running mean that counts as slow course
+constexpr int level_window = 31;                      // bins of the running mean that counts as slow course
+constexpr double slip_reach = 0.1, load_reach = 0.2;  // between runs that fluctuate alike: slip, ln load
 
 /// Indices of a segment at which a channel is measured.
 std::vector<int> measured_bins(const RunGrid& grid, int channel, const Segment& segment) {
@@ -16,6 +17,13 @@ std::vector<int> measured_bins(const RunGrid& grid, int channel, const Segment& 
   for (int i = segment.begin; i < segment.end; ++i)
     if (std::isfinite(grid.measured(channel, i))) bins.push_back(i);
   return bins;
+}
+
+/// What the running mean takes of the deviation of a correlated fluctuation, beyond what it takes of white
+/// noise, for which without_level makes up.
+double loss_by_level(double keep) {
+  const double white = 1.0 / level_window;
+  return std::sqrt((1.0 - white) / (1.0 - std::min(0.5, white * (1.0 + keep) / (1.0 - keep))));
 }
 
 double median(std::vector<double> values) {
@@ -116,13 +124,55 @@ NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::v
       }
     const double least = floor[static_cast<std::size_t>(c)];
     ChannelNoise& channel = noise[static_cast<std::size_t>(c)];
-    channel.deviation = std::max(least, robust_deviation(fluctuation));
     channel.keep = squared > 0.0 ? std::clamp(lagged / squared, 0.0, 0.9) : 0.0;
+    channel.deviation = std::max(least, loss_by_level(channel.keep) * robust_deviation(fluctuation));
     channel.rest = std::max(least, robust_deviation(rest));
     channel.rest_offset =
         rest_means.size() >= 3 ? std::max(least, robust_deviation(rest_means)) : channel.deviation;
   }
   return noise;
+}
+
+std::vector<NoiseModel> noise_by_run(const NoiseModel& pooled, const std::vector<const RunGrid*>& grids,
+                                     const std::vector<Residual>& residuals, const NoiseFloor& floor,
+                                     const std::vector<const RunGrid*>& runs) {
+  std::vector<NoiseModel> result(runs.size(), pooled);
+  for (int c = 0; c < channel_rows; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    std::vector<double> slip, load, log_deviation;
+    for (std::size_t g = 0; g < grids.size(); ++g) {
+      std::vector<double> fluctuation;
+      for (const Segment& segment : segments_of(*grids[g])) {
+        if (!segment.moving) continue;
+        std::vector<double> values;
+        for (const int i : measured_bins(*grids[g], c, segment)) values.push_back(residuals[g].bins(c, i));
+        const std::vector<double> level_free = without_level(values);
+        fluctuation.insert(fluctuation.end(), level_free.begin(), level_free.end());
+      }
+      if (fluctuation.size() < 20) continue;
+      slip.push_back(typical_slip(*grids[g]));
+      load.push_back(std::log(std::max(1e-3, grids[g]->declared.load)));
+      log_deviation.push_back(
+          std::log(std::max(floor[k], loss_by_level(pooled[k].keep) * robust_deviation(fluctuation))));
+    }
+    if (log_deviation.empty()) continue;
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      const double s = typical_slip(*runs[r]), l = std::log(std::max(1e-3, runs[r]->declared.load));
+      std::vector<double> distance;
+      for (std::size_t g = 0; g < slip.size(); ++g)
+        distance.push_back(
+            0.5 * (std::pow((s - slip[g]) / slip_reach, 2) + std::pow((l - load[g]) / load_reach, 2)));
+      const double nearest = *std::min_element(distance.begin(), distance.end());
+      double sum = 0.0, weight = 0.0;
+      for (std::size_t g = 0; g < slip.size(); ++g) {
+        const double w = std::exp(nearest - distance[g]);
+        sum += w * log_deviation[g];
+        weight += w;
+      }
+      result[r][k].deviation = std::exp(sum / weight);
+    }
+  }
+  return result;
 }
 
 int whiten(const RunGrid& grid, const Residual& residual, const NoiseModel& noise, std::vector<double>& out,

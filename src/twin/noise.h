@@ -40,6 +40,12 @@ std::vector<Segment> segments_of(const RunGrid& grid);
 NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::vector<Residual>& residuals,
                           const NoiseFloor& floor);
 
+/// Noise of each of `runs`: `pooled`, with the deviation that each channel has on those of `grids` nearest in
+/// slip and load. A wheel that digs shakes the forces more than one that rolls.
+std::vector<NoiseModel> noise_by_run(const NoiseModel& pooled, const std::vector<const RunGrid*>& grids,
+                                     const std::vector<Residual>& residuals, const NoiseFloor& floor,
+                                     const std::vector<const RunGrid*>& runs);
+
 /// Appends the whitened residual of one run, channel by channel and segment by segment, to `out`; unit
 /// variance when `residual` is noise. The count appended depends on the grid alone. `block` receives for each
 /// value the index of its stretch of about `block_length` seconds, counted from `first_block`; returns the

@@ -76,12 +76,33 @@ void mask_changes_of_speed(RunGrid& grid, double radius) {
   }
 }
 
-void set_slip(RunGrid& grid, double radius) {
-  grid.slip.resize(grid.bins());
-  for (int i = 0; i < grid.bins(); ++i) {
-    const auto& m = grid.motion[static_cast<std::size_t>(i)];
-    grid.slip[i] = rig::slip_ratio(m.carriage_velocity, radius * m.wheel_rate);
-  }
+/// A wheel that is still being let down, or is lifted again, is no wheel at rest under its load: bins before
+/// the first motion in which hub and load have not come to where they stand before it (all of them, when no
+/// two bins agree), and the like after the last.
+void mask_settling(RunGrid& grid) {
+  constexpr double settled = 0.03;  // of the displacement and of the load
+  const auto hub = grid.measured.row(index_of(Channel::hub_displacement)).eval(),
+             load = grid.measured.row(index_of(Channel::normal_load)).eval();
+  const int n = grid.bins();
+  const auto first_moving = std::find(grid.moving.begin(), grid.moving.end(), true);
+  if (first_moving == grid.moving.end()) return;
+  const int first = static_cast<int>(first_moving - grid.moving.begin());
+  int last = n - 1;
+  while (!grid.moving[static_cast<std::size_t>(last)]) --last;
+  const auto mask = [&](int begin, int end, int step) {  // from the motion outwards
+    int standing = begin;
+    while (standing != end && !std::isfinite(hub[standing]) && !std::isfinite(load[standing]))
+      standing += step;
+    const auto stands = [&](const auto& values, int i) {
+      return !(std::abs(values[i] - values[standing]) > settled * std::abs(values[standing]));
+    };
+    int gone = standing;
+    while (gone != end && stands(hub, gone) && stands(load, gone)) gone += step;
+    const bool alone = gone == standing + step;
+    for (int i = alone ? standing : gone; i != end; i += step) grid.measured.col(i).setConstant(missing);
+  };
+  mask(first - 1, -1, -1);
+  mask(last + 1, n, 1);
 }
 
 void take_averages(RunGrid& grid) {
@@ -117,6 +138,25 @@ double first_stamp(const run_log::RunLog& log) {
   for (const auto* times : {&log.ft.time, &log.draw_wire.time, &log.joints.time})
     if (!times->empty()) first = std::min(first, times->front());
   return first;
+}
+
+void set_slip(RunGrid& grid, double radius) {
+  grid.slip.resize(grid.bins());
+  for (int i = 0; i < grid.bins(); ++i) {
+    const auto& m = grid.motion[static_cast<std::size_t>(i)];
+    grid.slip[i] = rig::slip_ratio(m.carriage_velocity, radius * m.wheel_rate);
+  }
+}
+
+double typical_slip(const RunGrid& run) {
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < run.bins(); ++i)
+    if (run.moving[static_cast<std::size_t>(i)]) {
+      sum += run.slip[i];
+      ++count;
+    }
+  return count > 0 ? sum / count : run.declared.slip;
 }
 
 bool RunGrid::has(Channel channel) const {
@@ -191,6 +231,7 @@ RunGrid grid_of(const logs::Run& declared, const std::string& name, const run_lo
   }
   set_slip(grid, radius);
   mask_changes_of_speed(grid, radius);
+  mask_settling(grid);
   take_averages(grid);
   grid.lag = draw_wire_lag(log);
   return grid;

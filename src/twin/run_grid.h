@@ -47,6 +47,9 @@ struct RunGrid {
   bool has(Channel channel) const;  ///< at least one bin of it is measured
 };
 
+/// Mean slip while it moves, of the measured speeds; the declared one when it does not.
+double typical_slip(const RunGrid& run);
+
 /// The first stamp of a log, which is the start of its run, s.
 double first_stamp(const run_log::RunLog& log);
 
@@ -68,6 +71,9 @@ RunGrid grid_of_averages(const logs::Run& declared, const std::string& name, dou
 /// state, and as much faster to simulate. The first bin, from which a simulation starts at rest, and the
 /// windows stay out.
 RunGrid condensed(const RunGrid& grid, int bins);
+
+/// Slip of every bin by the speeds of the motion. `radius` of the wheel, m.
+void set_slip(RunGrid& grid, double radius);
 
 /// All runs of an experiment, in its order, on bins of one length. Throws Error naming the run that cannot be
 /// read.

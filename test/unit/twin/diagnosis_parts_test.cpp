@@ -236,8 +236,9 @@ struct Trial {
       add_noise(grids.back(), rig_noise(), random);
     }
     evidence.baseline = some_twin();
-    evidence.noise = rig_noise();
-    for (ChannelNoise& n : evidence.noise) n.run_offset = 0.2 * n.deviation;
+    NoiseModel noise = rig_noise();
+    for (ChannelNoise& n : noise) n.run_offset = 0.2 * n.deviation;
+    evidence.noise.assign(grids.size(), noise);
     for (const RunGrid& grid : grids) {
       evidence.runs.push_back(&grid);
       evidence.log_deviation.emplace_back();

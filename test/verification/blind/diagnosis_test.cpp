@@ -3,8 +3,11 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 
+#include "base/error.h"
 #include "draw.h"
+#include "logs/bag_writer.h"
 #include "logs/experiment.h"
 #include "twin/diagnosis.h"
 #include "write.h"
@@ -53,6 +56,92 @@ TEST_F(Loop, ACompactedSoilIsNamedWithItsShare) {
   const twin::Candidate& best = found.candidates.front().candidate;
   ASSERT_EQ(best.effects, std::vector<std::string>{"multi_pass"});
   EXPECT_NEAR(best.values[0][0], 0.4, 0.06);
+}
+
+/// Experiments that no one can explain, made of the logs of a drawn rig.
+class BadInput : public Loop {
+ protected:
+  /// Diagnoses runs at `slips` after `change` was done to what is logged and declared.
+  twin::Diagnosis diagnosis_of(const std::vector<double>& slips,
+                               const std::function<void(logs::Run&, run_log::RunLog&)>& change) {
+    Drawn drawn = draw(12);
+    drawn.effects = {{"bed_tilt", {0.03}}};
+    drawn.outside.clear();
+    logs::Experiment experiment;
+    experiment.name = "bad";
+    experiment.wheel = drawn.wheel;
+    experiment.soil = drawn.declared;
+    experiment.directory = folder_.string();
+    fs::create_directories(folder_);
+    for (const double slip : slips) {
+      logs::Run run;
+      run.bag = "run_" + std::to_string(experiment.runs.size()) + ".bag";
+      run.slip = slip;
+      run.load = drawn.run.conditions.load;
+      run.wheel_speed = drawn.run.conditions.wheel_speed;
+      run_log::RunLog log = simulate_run(drawn, slip, true, 12 + experiment.runs.size(), false);
+      change(run, log);
+      logs::write_bag(log, experiment.path_of(*run.bag));
+      experiment.runs.push_back(run);
+    }
+    twin::DiagnosisOptions options;
+    options.threads = 1;
+    return twin::diagnose(experiment, options);
+  }
+
+  std::string error_of(const std::vector<double>& slips,
+                       const std::function<void(logs::Run&, run_log::RunLog&)>& change) {
+    try {
+      return "no error: " + diagnosis_of(slips, change).verdict;
+    } catch (const Error& error) {
+      return error.what();
+    }
+  }
+};
+
+TEST_F(BadInput, OneRunNamesNoEffect) {
+  const twin::Diagnosis d = diagnosis_of({0.3}, [](logs::Run&, run_log::RunLog&) {});
+  EXPECT_NE(d.verdict, "effect_found");
+  if (d.verdict == "unexplained") {
+    EXPECT_NE(d.evidence.find("With one measured run no effect can be put to the test"), std::string::npos);
+  }
+}
+
+TEST_F(BadInput, RunsWithoutASteadyPartAreRefused) {
+  const std::string error = error_of({0.2, 0.4}, [](logs::Run&, run_log::RunLog& log) {
+    for (std::size_t i = 0; i < log.joints.time.size(); ++i) {  // speeds up and down once a second
+      const double factor = 0.5 + 0.5 * std::sin(6.0 * log.joints.time[i]);
+      log.joints.carriage_velocity[i] *= factor;
+      log.joints.wheel_rate[i] *= factor;
+    }
+  });
+  EXPECT_NE(error.find("no measured run to diagnose"), std::string::npos) << error;
+  EXPECT_NE(error.find("no steady part"), std::string::npos) << error;
+}
+
+TEST_F(BadInput, ContradictingDeclarationsAreRefused) {
+  const std::string error =
+      error_of({0.0, 0.2, 0.6}, [](logs::Run& run, run_log::RunLog&) { run.slip = 0.6 - run.slip; });
+  EXPECT_NE(error.find("2 of 3 runs are no logs of what is declared"), std::string::npos) << error;
+}
+
+TEST_F(BadInput, AllChannelsSaturatedAreRefused) {
+  const std::string error = error_of({0.2, 0.4}, [](logs::Run&, run_log::RunLog& log) {
+    for (auto& force : log.ft.force) force.setConstant(1.0);
+    for (auto& torque : log.ft.torque) torque.setConstant(0.1);
+    for (double& d : log.draw_wire.value) d = 0.002;
+    for (double& e : log.joints.wheel_effort) e = 0.5;
+  });
+  EXPECT_NE(error.find("every channel stands still while the wheel moves"), std::string::npos) << error;
+}
+
+TEST_F(BadInput, ALogOfAnotherRigIsRefused) {
+  Drawn other = draw(12);
+  other.run.conditions.load *= 3.0;
+  const std::string error = error_of({0.2, 0.4}, [&](logs::Run& run, run_log::RunLog& log) {
+    log = simulate_run(other, run.slip, false, 3, false);
+  });
+  EXPECT_NE(error.find("2 of 2 runs are no logs of what is declared"), std::string::npos) << error;
 }
 
 }  // namespace
