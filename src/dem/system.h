@@ -25,12 +25,12 @@ namespace wheel_twin::dem {
 /// Parts of a bed at rest cost next to nothing: see system_sleep.cpp for the rule.
 struct SleepSettings {
   bool enabled = false;
-  double speed =
-      1e-3;  ///< m/s; a particle is quiet when its centre has not moved faster, on the mean of 32 steps
-  double force =
-      0.3;  ///< a sleeper wakes when its unbalanced force passes this fraction of what presses on it
-  double time = 0.01;        ///< s that every particle of a cell must be quiet before the cell falls asleep
-  double wake_factor = 3.0;  ///< wakes at this many times the speed nearby
+  /// m/s; a particle is quiet when its centre has not moved faster, on the mean of half of `time`.
+  double speed = 2e-4;
+  /// A sleeper wakes when its unbalanced force passes this fraction of what presses on it.
+  double force = 0.3;
+  double time = 0.04;        ///< s that every particle of a cell must be quiet before the cell falls asleep
+  double wake_factor = 3.0;  ///< a cell wakes beside a particle that is faster than `speed` by this factor
 };
 
 struct WorldSettings {

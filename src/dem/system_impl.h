@@ -173,9 +173,9 @@ struct System::Impl {
   // Sleep: cells of the domain, what sleeping contacts exert, and the histories of these contacts.
   std::array<int, 3> cells{1, 1, 1};
   double cell_size = 0.0;
-  std::vector<std::uint32_t> quiet;        ///< checks that a cell has been quiet; kAsleep: it sleeps
+  std::vector<std::uint32_t> quiet;        ///< looks that found a cell quiet; kAsleep: it sleeps
   std::vector<std::uint8_t> loud;          ///< per cell, of the last check
-  std::vector<Eigen::Vector3d> looked_at;  ///< per particle number: place at the last check, m
+  std::vector<Eigen::Vector3d> looked_at;  ///< per particle number: place at the last look, m
   std::vector<LoadRow> frozen;             ///< per particle number: loads by contacts of sleeping bodies
   std::vector<ContactHistory> dormant;
   std::vector<std::uint32_t> touched_sleepers;  ///< places of sleeping bodies that awake ones may touch

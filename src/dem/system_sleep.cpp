@@ -1,9 +1,9 @@
-// Sleep. The domain is cut into cells two grains wide. A cell whose particles have all been quiet for a while
-// (by their way since the last look: a trembling grain is quiet, a rolling one is not) falls asleep unless a
-// cell beside it is loud: its particles keep their places, what they exert on one another and on walls is
-// computed once. It wakes when a particle in it or in a cell beside it moves fast, when the force on one of
-// its particles has changed, when a wall moves nearby, or when an awake particle enters it. Looked at every
-// 32 steps (for falling asleep every 256), from numbers that depend neither on threads nor on lists.
+// Sleep. The domain is cut into cells two grains wide. A cell whose particles have all been quiet in two
+// looks falls asleep unless a cell beside it is loud: its particles keep their places, what they exert on one
+// another and on walls is computed once. A look goes over the way since the last one: a grain that trembles
+// as waves pass is quiet, one that rolls is not. A cell wakes at a look that finds a cell beside it loud, and
+// between looks (every 32 steps) when the force on one of its particles has changed, when a wall moves
+// nearby, or when an awake particle enters it. All from numbers that depend neither on threads nor on lists.
 #include <algorithm>
 #include <cmath>
 
@@ -13,8 +13,8 @@ namespace wheel_twin::dem {
 namespace {
 
 constexpr std::uint32_t kAsleep = 0xffffffffU;
-constexpr std::int64_t kCheck = 32;        // steps
-constexpr std::int64_t kFallAsleep = 256;  // steps
+constexpr std::int64_t kCheck = 32;  // steps
+constexpr std::uint32_t kQuietLooks = 2;
 constexpr std::uint8_t kOccupied = 1, kStirs = 2, kWakes = 4, kAwakeInside = 8;
 
 }  // namespace
@@ -70,6 +70,9 @@ bool System::Impl::loud_nearby(std::size_t cell) const {
 void System::Impl::check_sleep() {
   if (step % kCheck != 0) return;
   const SleepSettings& rule = settings.sleep;
+  const std::int64_t checks = std::max(
+      std::int64_t{1}, static_cast<std::int64_t>(std::llround(0.5 * rule.time / (kCheck * time_step))));
+  const bool looks = step / kCheck % checks == 0;
   const Eigen::Vector3d& gravity = settings.gravity;
   std::fill(loud.begin(), loud.end(), std::uint8_t{0});
   std::vector<std::uint8_t> pushed(quiet.size(), 0);
@@ -85,6 +88,8 @@ void System::Impl::check_sleep() {
       if (unbalanced.norm() > scale) pushed[cell] = 1;
       continue;
     }
+    loud[cell] |= kOccupied | kAwakeInside;
+    if (!looks) continue;
     double square = 0.0;
     for (int a = 0; a < 3; ++a) {
       double& before = looked_at[bodies.rank[b]][a];
@@ -93,8 +98,7 @@ void System::Impl::check_sleep() {
       square += way * way;
       before = bodies.x[a][b];
     }
-    const double speed = std::sqrt(square) / (kCheck * time_step);
-    loud[cell] |= kOccupied | kAwakeInside;
+    const double speed = std::sqrt(square) / (static_cast<double>(checks * kCheck) * time_step);
     if (speed > rule.speed) loud[cell] |= kStirs;
     if (speed > rule.wake_factor * rule.speed) loud[cell] |= kWakes;
   }
@@ -111,20 +115,20 @@ void System::Impl::check_sleep() {
   double half = 0.0;
   for (int a = 0; a < 3; ++a) half = std::max(half, 0.5 * (period.high[a] - period.low[a]) / cells[a]);
   const std::vector<bool> near_wall = walls.near_moved(middles, half + cell_size, period);
-  const auto long_enough = static_cast<std::uint32_t>(std::ceil(rule.time / (kCheck * time_step)));
   bool changed = false;
   for (std::size_t cell = 0; cell < quiet.size(); ++cell) {
     std::uint32_t& count = quiet[cell];
     if (count == kAsleep) {
-      if (pushed[cell] == 0 && !near_wall[cell] && (loud[cell] & kAwakeInside) == 0 && !loud_nearby(cell))
+      if (pushed[cell] == 0 && !near_wall[cell] && (loud[cell] & kAwakeInside) == 0 &&
+          !(looks && loud_nearby(cell)))
         continue;
       count = 0;
       changed = true;
     } else if ((loud[cell] & kOccupied) == 0 || (loud[cell] & kStirs) != 0 || near_wall[cell]) {
       count = 0;
-    } else {
-      count = std::min(count + 1, long_enough);
-      if (step % kFallAsleep != 0 || count < long_enough || loud_nearby(cell)) continue;
+    } else if (looks) {
+      count = std::min(count + 1, kQuietLooks);
+      if (count < kQuietLooks || loud_nearby(cell)) continue;
       count = kAsleep;
       changed = true;
     }
