@@ -148,6 +148,17 @@ Marker hub_marker(const FlexibleWheel& wheel) {
   return m;
 }
 
+std::string legend(const wheel::WheelModel& model, const BendingScale& scale) {
+  const double degree = M_PI / 180.0;
+  std::string line =
+      fmt::format("red: bent tighter, blue: straightened (rim to {:.1f} deg a joint", scale.rim / degree);
+  if (model.suspension == Suspension::beams) line += fmt::format(", beams to {:.1f}", scale.beams / degree);
+  line += ")";
+  if (model.suspension == Suspension::springs)
+    line += fmt::format("; springs red: stretched, blue: pressed (to {:.1f} mm)", 1e3 * scale.beams);
+  return line;
+}
+
 void pack(MarkerArray& array, Marker m, const std::string& frame) {
   m.header.frame_id = frame;
   if (m.type == Marker::TRIANGLE_LIST && m.points.empty()) m.action = Marker::DELETE;
@@ -264,8 +275,8 @@ MarkerArray wheel_markers(const FlexibleWheel& wheel, BendingScale& scale, const
   }
   if (!text.empty()) {
     Marker label = marker("text", 0, Marker::TEXT_VIEW_FACING);
-    label.text = text;
-    label.scale.z = 0.1 * wheel.model().radius;
+    label.text = text + "\n" + legend(wheel.model(), scale);
+    label.scale.z = 0.075 * wheel.model().radius;
     label.color = colour(0.1, 0.1, 0.12);
     label.pose.position = point(wheel.hub().position + Vector3d(0.0, 0.0, 1.35 * wheel.model().radius));
     pack(array, std::move(label), frame);

@@ -4,10 +4,11 @@ step with the numbers that physics asks for."""
 import sys
 import unittest
 
+import rosgraph
 import rospy
 import rostest
 from geometry_msgs.msg import Wrench, WrenchStamped
-from ros_helpers import Collector, Process, program, wait_for_subscribers
+from ros_helpers import Collector, Process, launch, program, wait_for_subscribers
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
@@ -51,6 +52,20 @@ class FlexibleWheel(unittest.TestCase):
             self.assertEqual(frames, {("rig", "hub"), ("hub", "wheel")})
         for collector in (status, deflection, reaction, joints, markers, transforms):
             collector.close()
+
+    def test_as_a_nodelet_of_a_manager(self):
+        status = Collector("/wheel/status", String)
+        deflection = Collector("/wheel/deflection", DisplacementStamped)
+        with launch("flexible_wheel.launch", "nodelet:=true", "wheel:=amalia", "travel:=0.0005", "publish_rate:=200",
+                    "real_time_factor:=0"):
+            status.wait_for_text("held")
+            last = deflection.wait(lambda m: m and m[-1].displacement > 0.0015, "the deflection")[-1].displacement
+            self.assertAlmostEqual(last, 2.063e-3, delta=0.089 * 2.063e-3)
+            # A nodelet has no node of its own: its topics are the manager's.
+            publishers = dict(rosgraph.Master(rospy.get_name()).getSystemState()[0])["/wheel/status"]
+            self.assertEqual(publishers, ["/wheel_manager"])
+        status.close()
+        deflection.close()
 
     def test_lock_step(self):
         states = Collector("/wheel/state", WheelState)

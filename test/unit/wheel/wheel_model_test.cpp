@@ -5,8 +5,12 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <iterator>
+#include <regex>
 #include <string>
+#include <utility>
 
 #include "base/error.h"
 #include "wheel/calibration.h"
@@ -15,6 +19,7 @@
 namespace wheel_twin::wheel {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 WheelModel wheel_file(const std::string& name) {
@@ -101,6 +106,31 @@ TEST(WheelModel, RefusesWithTheLimit) {
                 m.faults.push_back({16, 0, 0.5});
               }),
               HasSubstr("positions end at 15"));
+}
+
+// The same from a file: file, line and limit.
+TEST(WheelModel, AFileIsRefusedWithTheLimit) {
+  std::ifstream file(std::string(WHEEL_TWIN_SOURCE_DIR) + "/config/wheels/amalia.yaml");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto with = [&](const std::string& key, const std::string& value) {
+    return message([&] {
+      read_wheel_model(yaml::parse_text(
+          std::regex_replace(text, std::regex(key + ": [^ #\n]+"), key + ": " + value), "w.yaml"));
+    });
+  };
+  EXPECT_EQ(with("segments", "64"), "");
+  EXPECT_THAT(with("segments", "63"), HasSubstr("63 segments: an even number from 24 to 256 is needed"));
+  EXPECT_THAT(with("segments", "22"), HasSubstr("22 segments: an even number from 24 to 256 is needed"));
+  EXPECT_THAT(with("segments", "258"), HasSubstr("258 segments: an even number from 24 to 256 is needed"));
+  for (const auto& [key, value] : {std::pair{"  thickness", "0.0"},
+                                   {"radial_stiffness", "-2490.0"},
+                                   {"turning_stiffness", "-0.1"},
+                                   {"young_modulus", "0.0"}}) {
+    const std::string refusal = with(key, value);
+    EXPECT_THAT(refusal, HasSubstr("w.yaml"));
+    EXPECT_THAT(refusal, HasSubstr(std::string(key).substr(std::string(key).find_first_not_of(' '))));
+    EXPECT_THAT(refusal, ContainsRegex("range|at least|above|between"));
+  }
 }
 
 TEST(WheelModel, UnknownKeyIsNamed) {

@@ -84,6 +84,12 @@ Rolling roll(const WheelModel& model, double load, double speed, double settle, 
   return rolling;
 }
 
+Rolling roll_without_bounce(int segments) {
+  WheelModel model = configured_wheel("amalia", Bending::plate, segments);
+  model.hub_mass = 0.05;
+  return roll(model, 42.1, 0.05, 0.05, 2.5 * 2.0 * M_PI * model.radius / 16.0, 5.0);
+}
+
 RollingMeans means(const Rolling& rolling) {
   RollingMeans mean;
   const auto& samples = rolling.samples;
@@ -124,6 +130,36 @@ double height_at(const Rolling& rolling, double angle, double half_window) {
   }
   if (count == 0) throw Error("the wheel did not pass this angle");
   return sum / count;
+}
+
+void strike(FlexibleWheel& wheel, double dt) {
+  HubMotion hub;
+  hub.rate = 10.0;
+  hub.velocity = {0.05, 0.0, 0.02};
+  wheel.place(hub);
+  wheel.set_freedom({true, true, true});
+  for (int i = 0; i < 200; ++i) {
+    wheel.apply(5, {0.0, 0.0, 12.0}, Vector3d::Zero());
+    wheel.apply(37, {2.0, 0.0, 0.0}, {0.0, 0.02, 0.0});
+    wheel.step(dt, {});
+  }
+  wheel.step(dt, {});  // the last force ends within this step
+}
+
+Drift free_spin(FlexibleWheel& wheel, double dt, double seconds) {
+  strike(wheel, dt);
+  const auto energy = [&] { return wheel.energy().kinetic + wheel.energy().elastic; };
+  const double L = wheel.angular_momentum(), E = energy();
+  Drift drift;
+  drift.elastic_share = wheel.energy().elastic / E;
+  const auto steps = static_cast<int>(seconds / dt);
+  for (int i = 0; i < steps; ++i) {
+    wheel.step(dt, {});
+    if (i % 50 != 0) continue;
+    drift.momentum = std::max(drift.momentum, std::abs(wheel.angular_momentum() / L - 1.0));
+    drift.energy = std::max(drift.energy, std::abs(energy() / E - 1.0));
+  }
+  return drift;
 }
 
 double finite_element_drop(const std::string& name, double load) {

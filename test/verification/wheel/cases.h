@@ -36,6 +36,11 @@ struct Rolling {
 Rolling roll(const WheelModel& model, double load, double speed, double settle, double distance,
              double floor_damping = 0.0);
 
+/// AMALIA on `segments` (a multiple of 16) segments rolling so slowly, under so light a hub (the load is a
+/// force), that the hub's bounce on the wheel, 23 Hz with its own mass, is far above the beat of the
+/// segments.
+Rolling roll_without_bounce(int segments);
+
 struct RollingMeans {
   double hub_height = 0.0;  ///< m
   double thrust = 0.0;      ///< N
@@ -47,6 +52,16 @@ RollingMeans means(const Rolling& rolling);
 double ripple(const Rolling& rolling, double per_revolution);
 /// Hub height (m) where the wheel's angle is `angle` modulo a turn, mean within `half_window` rad.
 double height_at(const Rolling& rolling, double angle, double half_window);
+
+/// A blow on a wheel that turns freely in space, hub and all.
+void strike(FlexibleWheel& wheel, double dt);
+/// How far what must stay strays after strike(), relative to what it was.
+struct Drift {
+  double momentum = 0.0;       ///< angular
+  double energy = 0.0;         ///< kinetic and elastic
+  double elastic_share = 0.0;  ///< of the energy, right after the blow
+};
+Drift free_spin(FlexibleWheel& wheel, double dt, double seconds);
 
 /// A reference curve of test/verification/wheel/reference: hub drop (m) at a load (N), by
 /// interpolation.

@@ -8,45 +8,11 @@
 namespace wheel_twin::wheel {
 namespace {
 
-struct Drift {
-  double momentum = 0.0, energy = 0.0, elastic_share = 0.0;
-};
-
-void strike(FlexibleWheel& wheel, double dt) {
-  HubMotion hub;
-  hub.rate = 10.0;
-  hub.velocity = {0.05, 0.0, 0.02};
-  wheel.place(hub);
-  wheel.set_freedom({true, true, true});
-  for (int i = 0; i < 200; ++i) {
-    wheel.apply(5, {0.0, 0.0, 12.0}, Eigen::Vector3d::Zero());
-    wheel.apply(37, {2.0, 0.0, 0.0}, {0.0, 0.02, 0.0});
-    wheel.step(dt, {});
-  }
-  wheel.step(dt, {});  // the last force ends within this step
-}
-
-Drift spin(FlexibleWheel& wheel, double dt, double seconds) {
-  strike(wheel, dt);
-  const auto energy = [&] { return wheel.energy().kinetic + wheel.energy().elastic; };
-  const double L = wheel.angular_momentum(), E = energy();
-  Drift drift;
-  drift.elastic_share = wheel.energy().elastic / E;
-  const auto steps = static_cast<int>(seconds / dt);
-  for (int i = 0; i < steps; ++i) {
-    wheel.step(dt, {});
-    if (i % 50 != 0) continue;
-    drift.momentum = std::max(drift.momentum, std::abs(wheel.angular_momentum() / L - 1.0));
-    drift.energy = std::max(drift.energy, std::abs(energy() / E - 1.0));
-  }
-  return drift;
-}
-
 TEST(Conservation, AmaliaKeepsMomentumAndEnergyForTenSeconds) {
   WheelModel model = configured_wheel("amalia", Bending::beam);
   model.damping_ratio = 0.0;
   FlexibleWheel wheel(model);
-  const Drift drift = spin(wheel, 2e-5, 10.0);
+  const Drift drift = free_spin(wheel, 2e-5, 10.0);
   EXPECT_LT(drift.momentum, 1e-9);
   EXPECT_LT(drift.energy, 1e-4);
   EXPECT_GT(drift.elastic_share, 0.005) << "the blow must leave a vibration to speak of";
@@ -56,7 +22,7 @@ TEST(Conservation, T0R0KeepsMomentumAndEnergy) {
   WheelModel model = configured_wheel("t0_r0", Bending::beam);
   model.damping_ratio = 0.0;
   FlexibleWheel wheel(model);
-  const Drift drift = spin(wheel, 2e-5, long_run() ? 10.0 : 0.4);
+  const Drift drift = free_spin(wheel, 2e-5, long_run() ? 10.0 : 0.4);
   EXPECT_LT(drift.momentum, 1e-9);
   EXPECT_LT(drift.energy, 1e-4);
 }
