@@ -51,6 +51,7 @@ DemSoil::DemSoil(const dem::GranularSoil& soil, const dem::Bed& bed, const Chang
                  const std::vector<wheel::SegmentShape>& wheel, const DemSoilSettings& settings)
     : bed_from_rig_(turn_about_y(changed.slope)),
       start_x_(settings.start_x),
+      good_until_(changed.good_until),
       system_(make_system(soil, bed, changed, settings, bed_from_rig_)) {
   if (changed.changed) {
     constexpr double settling_time = 0.005;  // s between two quenches
@@ -84,6 +85,14 @@ Vector3d DemSoil::to_rig(const Vector3d& point_bed) const {
 
 const std::vector<wheel::Wrench>& DemSoil::advance(std::int64_t /*step*/,
                                                    const std::vector<wheel::SegmentState>& segments) {
+  // Two opposite segments lie about the hub.
+  const double hub = 0.5 * (segments.front().position.x() + segments[segments.size() / 2].position.x());
+  if (hub > good_until_)
+    throw Error(
+        fmt::format("fidelity dem: an effect varies along the bed, which comes round {:.3f} m from the "
+                    "start: make the run shorter or the "
+                    "bed longer",
+                    good_until_));
   const Eigen::Quaterniond turn(bed_from_rig_);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const wheel::SegmentState& segment = segments[i];

@@ -56,6 +56,7 @@ class DemSoil final : public SoilSide {
 
   Eigen::Matrix3d bed_from_rig_;
   double start_x_ = 0.0;
+  double good_until_ = 0.0;
   dem::System system_;
   std::uint32_t first_wall_ = 0;
   std::vector<wheel::Wrench> loads_;

@@ -13,6 +13,7 @@ namespace {
 constexpr int most_levels = 18;        // the engine takes 22 materials
 constexpr double least_factor = 0.02;  // of stiffness
 constexpr double hardest = 50.0;       // factor from which on soil counts as rigid
+constexpr double behind = 0.05;        // m, of the start: where a periodic bed is cut to be laid out
 
 /// The ports' answers where the rig stands at `x`.
 struct Asked {
@@ -93,17 +94,29 @@ ChangedBed change_bed(const dem::GranularSoil& soil, const dem::Bed& bed, double
   changed.slope = asked.slope();
   refuse_what_emerges(ports);
 
+  const bool periodic = bed.settings.periodic_x;
+  const double length = bed.settings.length;
+  const auto laid_out = [&](double x_bed) {
+    const double x = x_bed - start_x;
+    return periodic && x < -behind ? x + length : x;
+  };
+  for (int i = 0; periodic && i <= 100; ++i) {
+    const double x = -behind + 0.01 * i * length;
+    if (asked.factor(x, 0.0) != asked.factor(-behind, 0.0)) changed.good_until = length - behind;
+  }
+
   // Factor of every grain, and the levels between the extremes.
   std::vector<double> logarithm(changed.state.position.size());
   double lowest = 1e30;
   double highest = -1e30;
   for (std::size_t i = 0; i < logarithm.size(); ++i) {
     const Eigen::Vector3d& p = changed.state.position[i];
-    const double factor = asked.factor(p.x() - start_x, std::max(0.0, -p.z()));
+    const double x = laid_out(p.x());
+    const double factor = asked.factor(x, std::max(0.0, -p.z()));
     if (!(factor >= least_factor))
       throw Error(fmt::format(
-          "fidelity dem: a stiffness factor of {:.3g} at x = {:.3f} m, {:.3f} m deep, is below {}", factor,
-          p.x() - start_x, -p.z(), least_factor));
+          "fidelity dem: a stiffness factor of {:.3g} at x = {:.3f} m, {:.3f} m deep, is below {}", factor, x,
+          -p.z(), least_factor));
     logarithm[i] = std::log(std::min(factor, hardest));
     lowest = std::min(lowest, logarithm[i]);
     highest = std::max(highest, logarithm[i]);

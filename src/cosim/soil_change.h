@@ -3,7 +3,8 @@
 //   cohesionless soil whose grains have f times the density and f times the modulus carries f times the
 //   pressure at the same sinkage (every force scales, every overlap and the Rayleigh time stay), so that a
 //   uniform factor is met exactly and the settled bed stays in equilibrium. A factor that varies comes in 18
-//   geometric steps; above 50 it counts as 50.
+//   geometric steps; above 50 it counts as 50. On a periodic bed it is laid from 50 mm behind the start of
+//   the run, half of a wheel's contact, to one length of the bed further on.
 // - an added cohesion c: an attraction between grains in contact (contact_law.h), whose strength is found
 //   from Rumpf's formula, sigma_t = packing density * contacts a grain * F / (pi d^2), sigma_t = c /
 //   tan(phi).
@@ -12,6 +13,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "dem/bed.h"
@@ -27,6 +29,8 @@ struct ChangedBed {
   dem::State state;
   bool changed = false;
   double slope = 0.0;  ///< of the surface along x, rad
+  /// Rig position up to which the bed is what was asked for; beyond it a periodic bed comes round, m.
+  double good_until = std::numeric_limits<double>::infinity();
 };
 
 /// `start_x`: place in the bed at which the run begins, m. Throws Error when a port asks for what the

@@ -293,6 +293,27 @@ TEST(DemEffects, CohesionIsRumpfsStrengthOfTheAttraction) {
   EXPECT_NEAR(contacts * force / area * soil.grain_grain.friction, 800.0, 1.0);
 }
 
+// A periodic bed comes round: what varies along it is laid out once, and a run that goes further is stopped.
+TEST(DemEffects, ARunBeyondTheBedIsStopped) {
+  const Acting acting("density_gradient", {2.0});
+  SmallRun run(1, false, test::small_wheel(wheel::Suspension::rigid), acting.ports);
+  const double last = test::small_bed().settings.length - 0.05;
+  const auto at = [&](double x, double time) {
+    rig::HubMotion motion;
+    motion.time = time;
+    motion.position = {x, 0.0, 0.1};
+    run.contact.advance(motion);
+  };
+  at(0.0, 0.0);
+  EXPECT_NO_THROW(at(last - 0.001, 0.001));
+  try {
+    at(last + 0.002, 0.002);
+    ADD_FAILURE() << "the run went on";
+  } catch (const Error& error) {
+    EXPECT_THAT(error.what(), ::testing::HasSubstr("comes round 0.100 m from the start"));
+  }
+}
+
 TEST(DemEffects, WhatIsEmergentIsRefused) {
   for (const auto& [name, values] : std::vector<std::pair<std::string, std::vector<double>>>{
            {"slip_sinkage", {0.7, 0.06}}, {"wheel_flexing_resistance", {1.0}}}) {
