@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "cli/commands.h"
+#include "cosim/frame.h"
 #include "effects/catalogue.h"
 #include "logs/bag_writer.h"
 #include "logs/experiment.h"
@@ -43,6 +44,8 @@ struct Options {
   std::uint64_t bed_seed = 1;
   int threads = 2;
   bool resume = false;
+  std::string frames;
+  double frame_interval = 0.05;
   bool dwell_given = false;
   bool duration_given = false;
 };
@@ -106,6 +109,7 @@ class DemRun {
          const std::string& bag)
       : settings_(cosim::load_dem_settings(options.dem)), checkpoint_(bag + ".checkpoint") {
     settings_.bed.seed = options.bed_seed;
+    if (!options.frames.empty()) fs::create_directories(options.frames);
     contact_ = twin::make_dem_contact({wheel, soil, options.dem}, settings_, ports, options.threads);
     if (!options.resume) return;
     if (!fs::exists(checkpoint_))
@@ -125,8 +129,14 @@ class DemRun {
     if (asked.travel != rig::RunProfile{}.travel) profile.travel = asked.travel;
   }
 
-  /// A checkpoint a minute.
-  void update() {
+  /// A checkpoint a minute, and a picture's data when one is due.
+  void update(const Options& options, const rig::RigStep& step) {
+    if (!options.frames.empty() && !contact_->coupled().replaying() && step.state.time >= next_frame_) {
+      const auto number = std::lround(step.state.time / options.frame_interval);
+      next_frame_ = (static_cast<double>(number) + 0.999) * options.frame_interval;
+      cosim::write_frame((fs::path(options.frames) / fmt::format("frame_{:06}.h5", number)).string(),
+                         *contact_, step);
+    }
     const auto now = std::chrono::steady_clock::now();
     if (contact_->coupled().replaying() || now - written_ < std::chrono::minutes(1)) return;
     contact_->write_checkpoint(checkpoint_);
@@ -170,6 +180,7 @@ class DemRun {
   cosim::DemSettings settings_;
   std::string checkpoint_;
   std::unique_ptr<cosim::DemContact> contact_;
+  double next_frame_ = 0.0;  // s of the run
   std::chrono::steady_clock::time_point written_ = std::chrono::steady_clock::now();
 };
 
@@ -190,7 +201,7 @@ void run_once(const Options& options, const twin::VirtualRig& loaded, rig::RunSe
   rig::RunSummary summary;
   const run_log::RunLog log = rig::run_to_end(run, summary, {[&](const rig::RigStep& step) {
                                                 progress.update(step.state.time);
-                                                if (dem) dem->update();
+                                                if (dem) dem->update(options, step);
                                               }});
   logs::write_bag(log, bag);
   fs::path json = bag;
@@ -335,6 +346,9 @@ void add_run(CLI::App& app) {
       "Fidelity dem: bed, grains and course of the run: a name in config/dem (paper, quick) or a file");
   add("--bed-seed", set.bed_seed, "Fidelity dem: another seed, another bed");
   add("--threads", set.threads, "Fidelity dem: threads of the soil")->check(CLI::Range(1, 64));
+  add("--frames", set.frames, "Fidelity dem: folder for what scripts/film draws");
+  add("--frame-interval", set.frame_interval, "Simulated time from one frame to the next, s")
+      ->check(CLI::Range(0.001, 1000.0));
   command->add_flag(
       "--resume", set.resume,
       "Fidelity dem: go on from the checkpoint beside the bag, which a run writes every minute");

@@ -22,6 +22,7 @@
 #include "base/config_path.h"
 #include "base/error.h"
 #include "cosim/dem_settings.h"
+#include "cosim/frame.h"
 #include "dem/bed.h"
 #include "nodes/coupled_soil.h"
 #include "nodes/link.h"
@@ -216,11 +217,12 @@ class DemSoilBridge::Impl {
     if (settings_.wheel) offset.x() = -settings_.dem.start_x;
     const double period = settings_.wheel && b.periodic_x ? b.length : 0.0;
     if (cloud_.getNumSubscribers() > 0)
-      cloud_.publish(soil_cloud(system, spheres_about(system.spheres(), offset, hub_x, period), header));
+      cloud_.publish(
+          soil_cloud(system, cosim::spheres_about(system.spheres(), offset, hub_x, period), header));
     if (heights_.getNumSubscribers() == 0 && rut_.getNumSubscribers() == 0) return;
     const double begin = period > 0.0 ? hub_x - 0.5 * period : offset.x();
     const dem::HeightMap map =
-        height_map(spheres_about(system.spheres(), offset, hub_x, period),
+        height_map(cosim::spheres_about(system.spheres(), offset, hub_x, period),
                    {{begin, -0.5 * b.width, -b.depth}, {begin + b.length, 0.5 * b.width, 1.0}}, 0.003);
     heights_.publish(height_cloud(map, Eigen::Vector3d::Zero(), header));
     rut_.publish(rut_profile(map, settings_.rut_half_width, Eigen::Vector3d::Zero(), header));

@@ -40,15 +40,6 @@ void put(sensor_msgs::PointCloud2& cloud, std::size_t point, std::initializer_li
 
 }  // namespace
 
-std::vector<dem::SphereState> spheres_about(std::vector<dem::SphereState> spheres,
-                                            const Eigen::Vector3d& offset, double x, double period) {
-  for (dem::SphereState& sphere : spheres) {
-    sphere.center += offset;
-    if (period > 0.0) sphere.center.x() += period * std::round((x - sphere.center.x()) / period);
-  }
-  return spheres;
-}
-
 sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const std::vector<dem::SphereState>& spheres,
                                     const std_msgs::Header& header) {
   const std::vector<dem::SphereState> places = system.spheres();

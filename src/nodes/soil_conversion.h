@@ -14,11 +14,6 @@
 
 namespace wheel_twin::nodes {
 
-/// The spheres moved by `offset`; with `period` above 0 each by as many periods along x as bring it next to
-/// `x`.
-std::vector<dem::SphereState> spheres_about(std::vector<dem::SphereState> spheres,
-                                            const Eigen::Vector3d& offset, double x, double period);
-
 /// One point a sphere, where `spheres` (of `system`, moved) are, FLOAT32 fields x, y, z (m), radius (m),
 /// speed (m/s, of the sphere's centre), force (N, magnitude of the contact force on its clump).
 sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const std::vector<dem::SphereState>& spheres,

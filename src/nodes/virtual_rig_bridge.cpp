@@ -250,10 +250,12 @@ class VirtualRigBridge::Impl {
     try {
       if (remote_) open_remote(settings);
       LiveRun run(settings, remote_ ? *remote_ : *fast, {}, next_bag());
+      const ros::WallTime begin = ros::WallTime::now();
       drive(settings.epoch, run);
       run.close();
-      if (!settings_.bag.empty())
-        ROS_INFO("virtual_rig: run %d is over, %zu messages in its bag", runs_.load(), run.messages());
+      const double wall = (ros::WallTime::now() - begin).toSec();
+      ROS_INFO("virtual_rig: run %d is over, %.3f s simulated in %.2f s, %zu messages%s", runs_.load(),
+               run.time(), wall, run.messages(), settings_.bag.empty() ? "" : " in its bag");
     } catch (const NodeEnds&) {
       return;
     } catch (const std::exception& error) {

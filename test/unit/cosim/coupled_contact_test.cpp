@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "cosim/frame.h"
 #include "small_rig.h"
 
 namespace wheel_twin::cosim {
@@ -237,6 +238,16 @@ TEST(CoupledContact, WhatGrainsDoByThemselvesIsRefused) {
   rig::Ports ports;
   ports.soil.push_back(&loosening);
   EXPECT_THROW(SmallRun(1, false, test::small_wheel(), ports), Error);
+}
+
+TEST(Frame, APeriodicBedIsDrawnAboutTheWheel) {
+  std::vector<dem::SphereState> spheres(2);
+  spheres[0].center = {0.01, 0.0, -0.01};
+  spheres[1].center = {0.45, 0.0, -0.01};
+  const auto moved = spheres_about(spheres, Vector3d(-0.12, 0.0, 0.0), 1.0, 0.48);
+  EXPECT_NEAR(moved[0].center.x(), -0.11 + 2 * 0.48, 1e-12);
+  EXPECT_NEAR(moved[1].center.x(), 0.33 + 0.48, 1e-12);
+  EXPECT_NEAR(spheres_about(spheres, Vector3d(-0.12, 0.0, 0.0), 1.0, 0.0)[1].center.x(), 0.33, 1e-12);
 }
 
 TEST(CoupledContact, AnUnevenStepIsRefused) {

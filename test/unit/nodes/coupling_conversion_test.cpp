@@ -5,7 +5,6 @@
 #include <ros/serialization.h>
 
 #include "base/error.h"
-#include "nodes/soil_conversion.h"
 
 namespace wheel_twin::nodes {
 namespace {
@@ -84,17 +83,6 @@ TEST(CouplingConversion, SegmentsAndTheirLoads) {
     EXPECT_EQ(same[i].force, loads[i].force);
     EXPECT_EQ(same[i].torque, loads[i].torque);
   }
-}
-
-TEST(SoilConversion, APeriodicBedIsDrawnAboutTheWheel) {
-  std::vector<dem::SphereState> spheres(2);
-  spheres[0].center = {0.01, 0.0, -0.01};
-  spheres[1].center = {0.45, 0.0, -0.01};
-  const auto moved = spheres_about(spheres, Vector3d(-0.12, 0.0, 0.0), 1.0, 0.48);
-  EXPECT_NEAR(moved[0].center.x(), -0.11 + 2 * 0.48, 1e-12);
-  EXPECT_NEAR(moved[1].center.x(), 0.33 + 0.48, 1e-12);
-  const auto plain = spheres_about(spheres, Vector3d(-0.12, 0.0, 0.0), 1.0, 0.0);
-  EXPECT_NEAR(plain[1].center.x(), 0.33, 1e-12);
 }
 
 }  // namespace
