@@ -54,8 +54,10 @@ class Server {
         break;
       }
       case SegmentMotion::HOLD:
+        hooks_.shown(*soil_, hub_x_, true);
         break;
       case SegmentMotion::CLOSE:
+        hooks_.shown(*soil_, hub_x_, true);
         soil_.reset();
         if (!question.text.empty()) ROS_ERROR("dem_soil: the run is cut short: %s", question.text.c_str());
         hooks_.state("ready");
@@ -110,9 +112,10 @@ class Server {
     const auto answer = answer_to(question);
     put(soil_->advance(static_cast<std::int64_t>(step_), segments), *answer);
     link_.send(answer);
-    double x = 0.0;
-    for (const wheel::SegmentState& segment : segments) x += segment.position.x();
-    hooks_.shown(*soil_, x / static_cast<double>(segments.size()));
+    hub_x_ = 0.0;
+    for (const wheel::SegmentState& segment : segments)
+      hub_x_ += segment.position.x() / static_cast<double>(segments.size());
+    hooks_.shown(*soil_, hub_x_, false);
   }
 
   void fail(const SegmentMotion* question, const std::string& why) {
@@ -131,6 +134,7 @@ class Server {
   Link<SegmentLoads, SegmentMotion> link_;
   std::optional<cosim::DemSoil> soil_;
   std::uint64_t run_ = 0, step_ = 0;
+  double hub_x_ = 0.0;
   bool held_ = false;
 };
 

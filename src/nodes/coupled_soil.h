@@ -30,8 +30,9 @@ struct CoupledSoilHooks {
   /// The settled bed; waits for it. Throws Error when there is none, NodeEnds when the node ends.
   std::function<const dem::Bed&()> bed;
   std::function<void(const std::string&)> state;  ///< ready, running, failed: why
-  /// After every step, while the wheel takes its own. `hub_x`: place of the wheel, m.
-  std::function<void(const cosim::DemSoil&, double hub_x)> shown;
+  /// After every step, while the wheel takes its own; `at_rest`: when time stands still and at the end.
+  /// `hub_x`: place of the wheel, m.
+  std::function<void(const cosim::DemSoil&, double hub_x, bool at_rest)> shown;
 };
 
 /// Serves run after run until the node ends.

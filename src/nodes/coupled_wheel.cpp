@@ -135,6 +135,7 @@ class Server {
         break;
       case HubMotion::HOLD:
         soil_.hold();
+        hooks_.shown(contact_->wheel(), true);
         break;
       case HubMotion::CLOSE:
         close(question.text);
@@ -183,7 +184,7 @@ class Server {
     answer->replayed = contact_->replaying() ? 1 : 0;
     put(contact_->advance(from_message(question)), *answer);
     rig_.send(answer);
-    if (answer->replayed == 0) hooks_.shown(contact_->wheel());
+    if (answer->replayed == 0) hooks_.shown(contact_->wheel(), false);
   }
 
   void write_checkpoint(const HubMotion& question) {
@@ -196,6 +197,7 @@ class Server {
   void close(const std::string& why) {
     soil_.close(why);
     if (!contact_) return;
+    hooks_.shown(contact_->wheel(), true);
     contact_.reset();
     if (!why.empty()) ROS_ERROR("flexible_wheel: the run is cut short: %s", why.c_str());
     hooks_.status("waiting");

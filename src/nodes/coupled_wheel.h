@@ -23,9 +23,10 @@ struct CoupledWheelSettings {
 };
 
 struct CoupledWheelHooks {
-  std::function<bool()> quit;                              ///< the node ends
-  std::function<void(const std::string&)> status;          ///< waiting, running, failed: why
-  std::function<void(const wheel::FlexibleWheel&)> shown;  ///< after every step of the rig
+  std::function<bool()> quit;                      ///< the node ends
+  std::function<void(const std::string&)> status;  ///< waiting, running, failed: why
+  /// After every step of the rig; `at_rest`: when time stands still and at the end.
+  std::function<void(const wheel::FlexibleWheel&, bool at_rest)> shown;
 };
 
 /// Serves run after run until the node ends.

@@ -178,11 +178,11 @@ class DemSoilBridge::Impl {
     hooks.quit = [this] { return quit_.load(); };
     hooks.state = [this](const std::string& state) { set_state(state); };
     hooks.bed = [this]() -> const dem::Bed& { return settled_bed(); };
-    hooks.shown = [this](const cosim::DemSoil& soil, double hub_x) {
+    hooks.shown = [this](const cosim::DemSoil& soil, double hub_x, bool at_rest) {
       const ros::WallTime now = ros::WallTime::now();
-      if (now < due_) return;
+      if (now < due_ && !at_rest) return;
       due_ = now + ros::WallDuration(1.0 / settings_.rate);
-      show(soil.system(), hub_x);
+      show(soil.system(), hub_x, at_rest);
     };
     serve_coupled_soil(
         node_, {*settings_.wheel, soil_, soil_.name, settings_.dem, settings_.threads, settings_.patience},
@@ -204,11 +204,12 @@ class DemSoilBridge::Impl {
   void publish() {
     updater_.update();
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (system_) show(*system_, 0.5 * settings_.bed.length - settings_.dem.start_x);
+    if (system_) show(*system_, 0.5 * settings_.bed.length - settings_.dem.start_x, false);
   }
 
-  /// `hub_x`: place of the wheel in frame `rig`; a periodic bed is drawn about it.
-  void show(const dem::System& system, double hub_x) {
+  /// `hub_x`: place of the wheel in frame `rig`; a periodic bed is drawn about it. `everything`: also for
+  /// viewers that come later.
+  void show(const dem::System& system, double hub_x, bool everything) {
     std_msgs::Header header;
     header.stamp = ros::Time::now();
     header.frame_id = settings_.frame;
@@ -216,10 +217,10 @@ class DemSoilBridge::Impl {
     Eigen::Vector3d offset = Eigen::Vector3d::Zero();
     if (settings_.wheel) offset.x() = -settings_.dem.start_x;
     const double period = settings_.wheel && b.periodic_x ? b.length : 0.0;
-    if (cloud_.getNumSubscribers() > 0)
+    if (everything || cloud_.getNumSubscribers() > 0)
       cloud_.publish(
           soil_cloud(system, cosim::spheres_about(system.spheres(), offset, hub_x, period), header));
-    if (heights_.getNumSubscribers() == 0 && rut_.getNumSubscribers() == 0) return;
+    if (!everything && heights_.getNumSubscribers() == 0 && rut_.getNumSubscribers() == 0) return;
     const double begin = period > 0.0 ? hub_x - 0.5 * period : offset.x();
     const dem::HeightMap map =
         height_map(cosim::spheres_about(system.spheres(), offset, hub_x, period),

@@ -193,12 +193,12 @@ class FlexibleWheelBridge::Impl {
     CoupledWheelHooks hooks;
     hooks.quit = [this] { return quit_.load(); };
     hooks.status = [this](const std::string& status) { set_status(status); };
-    hooks.shown = [this](const wheel::FlexibleWheel& wheel) {
+    hooks.shown = [this](const wheel::FlexibleWheel& wheel, bool at_rest) {
       const ros::WallTime now = ros::WallTime::now();
-      if (now < due_) return;
+      if (now < due_ && !at_rest) return;
       due_ = now + ros::WallDuration(1.0 / settings_.publish_rate);
-      if (joints_.getNumSubscribers() > 0) joints_.publish(wheel_joints(wheel, header()));
-      if (markers_.getNumSubscribers() > 0)
+      if (at_rest || joints_.getNumSubscribers() > 0) joints_.publish(wheel_joints(wheel, header()));
+      if (at_rest || markers_.getNumSubscribers() > 0)
         markers_.publish(wheel_markers(wheel, scale_, "", settings_.frame));
     };
     serve_coupled_wheel(node_, {settings_.model, settings_.patience}, hooks);
