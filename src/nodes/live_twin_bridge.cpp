@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "nodes/follower.h"
+#include "nodes/live_suspect.h"
 #include "nodes/msg_conversion.h"
 #include "nodes/params.h"
 #include "nodes/replay_twin.h"
@@ -45,6 +46,7 @@ Settings read_settings(const ros::NodeHandle& node) {
   if (s.setup.dem)
     throw Error(
         fmt::format("parameter {}/fidelity: a twin in real time is semi_empirical", node.getNamespace()));
+  if (const std::string twin = params.text("twin", ""); !twin.empty()) take_twin(s.setup, twin);
   FollowerSettings& f = s.follower;
   f.rate = params.number("rate", f.rate, {1.0, 2000.0});
   f.longest_wait = params.number("longest_wait", f.longest_wait, {0.0, 10.0});
@@ -60,6 +62,11 @@ Settings read_settings(const ros::NodeHandle& node) {
   s.show = params.boolean("show", false);
   params.finish();
   return s;
+}
+
+/// What the watches let pass, as a band about the twin; channels that are not watched get one in proportion.
+SuspectBand suspect_band(const Settings& s) {
+  return {s.pull_limit, s.displacement_limit, s.effort_limit};
 }
 
 /// When a topic last spoke, and how often.
@@ -84,6 +91,7 @@ class LiveTwinBridge::Impl {
         pull_(window_ticks(), settings_.pull_limit),
         sinkage_(window_ticks(), settings_.displacement_limit),
         effort_(window_ticks(), settings_.effort_limit),
+        suspect_(settings_.setup, suspect_band(settings_)),
         updater_(node, private_node, ros::this_node::getName()) {
     twin_wrench_ = node_.advertise<geometry_msgs::WrenchStamped>("twin/wrench", queue);
     twin_displacement_ = node_.advertise<DisplacementStamped>("twin/displacement", queue);
@@ -153,6 +161,7 @@ class LiveTwinBridge::Impl {
       pull_.clear();
       sinkage_.clear();
       effort_.clear();
+      suspect_.clear();
       if (view_) view_->clear();
     }
     for (const Tick& tick : ticks) publish(tick);
@@ -187,6 +196,7 @@ class LiveTwinBridge::Impl {
       residual_joints_.publish(to_message(stamp, residual));
       if (rolls) effort_.add(residual.wheel_effort);
     }
+    suspect_.add(tick);
     if (view_) show(tick);
   }
 
@@ -234,6 +244,12 @@ class LiveTwinBridge::Impl {
       status.mergeSummary(DiagnosticStatus::WARN, "hub displacement is not what the twin predicts");
     if (effort_.exceeded())
       status.mergeSummary(DiagnosticStatus::WARN, "motor effort is not what the twin predicts");
+    if (pull_.exceeded() || sinkage_.exceeded() || effort_.exceeded()) {
+      suspect_.ask();
+      if (const std::string suspect = suspect_.told(); !suspect.empty())
+        status.mergeSummary(DiagnosticStatus::WARN, suspect);
+    }
+    status.add("likeliest effect", suspect_.told());
     // What happened since the last report.
     const auto fresh = [&](std::size_t now, std::size_t before, const char* what) {
       if (now > before) status.mergeSummary(DiagnosticStatus::WARN, fmt::format("{} {}", now - before, what));
@@ -266,6 +282,7 @@ class LiveTwinBridge::Impl {
   ros::NodeHandle node_;
   Follower follower_;
   ResidualWatch pull_, sinkage_, effort_;
+  LiveSuspect suspect_;
   std::optional<RigView> view_;
   diagnostic_updater::Updater updater_;
   ros::Publisher twin_wrench_, twin_displacement_, twin_joints_;

@@ -1,5 +1,5 @@
-// The real-time twin that a Follower leads: the rig's replay mode on the semi-empirical soil. A reset begins
-// another run on untouched soil.
+// The real-time twin that a Follower leads: the rig's replay mode on the semi-empirical soil, with the
+// effects and corrections of a twin file when there is one. A reset begins another run on untouched soil.
 #pragma once
 
 #include <memory>
@@ -7,6 +7,7 @@
 #include "nodes/follower.h"
 #include "nodes/rig_setup.h"
 #include "rig/replay.h"
+#include "twin/simulate.h"
 
 namespace wheel_twin::nodes {
 
@@ -19,6 +20,7 @@ class ReplayTwin : public FollowedTwin {
 
  private:
   RigSetup setup_;
+  twin::Acting acting_;
   std::unique_ptr<rig::Contact> contact_;
   std::unique_ptr<rig::Replay> replay_;
 };

@@ -50,6 +50,18 @@ RigSetup read_rig_setup(Params& params) {
   return setup;
 }
 
+void take_twin(RigSetup& setup, const std::string& path) {
+  setup.twin = twin::read_twin(path);
+  setup.wheel = setup.twin->wheel;
+  setup.soil = setup.twin->soil;
+  setup.run.radius = setup.wheel.radius;
+  setup.run.rig.mount.arm_z = setup.twin->rig.mount.arm_z;
+  setup.run.rig.mount.drive_torque_share = setup.twin->rig.mount.drive_torque_share;
+  setup.run.rig.drive.coulomb_loss = setup.twin->rig.drive.coulomb_loss;
+  setup.title = setup.twin->name + "\nrevised twin";
+  std::replace(setup.title.begin(), setup.title.end(), '_', ' ');
+}
+
 std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup) {
   return twin::make_contact("semi_empirical", setup.wheel, setup.soil, {});
 }

@@ -12,6 +12,7 @@
 #include "rig/free_run.h"
 #include "terramechanics/soil.h"
 #include "terramechanics/wheel.h"
+#include "twin/twin_config.h"
 
 namespace wheel_twin::nodes {
 
@@ -19,12 +20,17 @@ struct RigSetup {
   terramechanics::Wheel wheel;
   terramechanics::Soil soil;
   rig::RunSettings run;
+  std::optional<twin::TwinConfig> twin;   ///< a twin file, whose wheel, soil and mount these are
   std::optional<cosim::DemSettings> dem;  ///< fidelity dem: how wheel and soil are co-simulated
   std::string title;                      ///< two lines for the view
 };
 
 /// Throws Error naming the parameter, or file, line and key.
 RigSetup read_rig_setup(Params& params);
+
+/// The setup of a twin file (revised_twin.yaml): its wheel, soil and mount, its effects and corrections on
+/// top.
+void take_twin(RigSetup& setup, const std::string& path);
 
 /// The semi-empirical soil and wheel that carry the rig. Throws Error when they make no model.
 std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup);

@@ -403,12 +403,10 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   Left left_of_measured{measured, {}}, left_of_references;
   std::vector<Residual>& residuals = left_of_measured.residuals;
   for (const RunGrid* run : measured) residuals.push_back(residual_of(*run, simulate(d.before, *run)));
-  double reference_lag = 0.0;
   if (calibrated) {
     left_of_references.runs = references;
     for (const RunGrid* run : references)
       left_of_references.residuals.push_back(residual_of(*run, simulate(d.before, *run)));
-    reference_lag = common_lag(references).value_or(0.0);
     evidence.fluctuation = fit_fluctuation(d.before, references, left_of_references.residuals);
   } else {
     evidence.baseline.corrections.clear();
@@ -419,6 +417,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     return noise_of(runs, calibration, left_of_references, left_of_measured, floor);
   };
   evidence.noise = noise_of_runs(measured);
+  // Wire and wrench need not fluctuate together at no lag: where there are reference runs, theirs is the
+  // zero.
+  const std::optional<double> reference_lag = calibrated ? common_lag(references) : 0.0;
   const std::optional<double> measured_lag = common_lag(measured);
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
@@ -426,8 +427,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
                                 ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation)
                                 : LogDeviation{});
     const std::optional<Lag>& lag = measured[r]->lag;
-    const bool agrees = lag && measured_lag && std::abs(lag->seconds - *measured_lag) < lag_tolerance;
-    evidence.lag.push_back(agrees ? std::optional<double>(lag->seconds - reference_lag) : std::nullopt);
+    const bool agrees =
+        lag && measured_lag && reference_lag && std::abs(lag->seconds - *measured_lag) < lag_tolerance;
+    evidence.lag.push_back(agrees ? std::optional<double>(lag->seconds - *reference_lag) : std::nullopt);
   }
   evidence.lag_error = 0.02;
 

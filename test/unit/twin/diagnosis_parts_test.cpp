@@ -14,6 +14,7 @@
 #include "twin/certify.h"
 #include "twin/fit.h"
 #include "twin/lag.h"
+#include "twin/likeliest_effect.h"
 #include "twin/noise.h"
 #include "twin/twin_config.h"
 
@@ -247,6 +248,51 @@ struct Trial {
     }
   }
 };
+
+TEST(LikeliestEffect, IsNamedFromOneRunAndNothingIsWithinTheBand) {
+  NoiseModel band = rig_noise();
+  for (ChannelNoise& n : band) n.run_offset = n.deviation;
+  const auto named = [&](const std::vector<EffectSetting>& effects) {
+    TwinConfig rig = some_twin();
+    rig.effects = effects;
+    RunGrid run = steady_run(0.3, 42.1);
+    run.measured = simulate(rig, run);
+    Random random(5);
+    add_noise(run, rig_noise(), random);
+    const auto found = likeliest_effect(some_twin(), run, band);
+    return found ? found->name : "nothing";
+  };
+  EXPECT_EQ(named({}), "nothing");
+  EXPECT_EQ(named({{"draw_wire_jump", {0.006, 30.0}}}), "draw_wire_jump");
+  EXPECT_EQ(named({{"ft_drift", {0.05, 0.02, -0.05}}}), "ft_drift");
+  EXPECT_EQ(named({{"density_gradient", {1.0}}}), "density_gradient");
+}
+
+TEST(NoiseByRun, KnowsWhereAChannelFluctuatesMore) {
+  std::vector<RunGrid> grids;
+  std::vector<Residual> residuals;
+  Random random(8);
+  for (const double slip : {0.0, 0.2, 0.4, 0.6}) {
+    grids.push_back(steady_run(slip, 42.1, 400));
+    grids.back().measured.setZero();
+    NoiseModel noise = rig_noise();
+    noise[0].deviation *= 1.0 + 5.0 * slip;
+    add_noise(grids.back(), noise, random);
+  }
+  std::vector<const RunGrid*> runs;
+  for (const RunGrid& grid : grids) {
+    runs.push_back(&grid);
+    residuals.push_back({grid.measured, {}});
+  }
+  const NoiseModel pooled = estimate_noise(runs, residuals, NoiseFloor{});
+  const RunGrid between = steady_run(0.3, 42.1);
+  const double least = rig_noise()[0].deviation;
+  const auto found = noise_by_run(pooled, runs, residuals, NoiseFloor{}, {runs[0], runs[3], &between});
+  EXPECT_NEAR(found[0][0].deviation, least, 0.25 * least);
+  EXPECT_NEAR(found[1][0].deviation, 4.0 * least, 0.25 * 4.0 * least);
+  EXPECT_NEAR(found[2][0].deviation, 2.5 * least, 0.25 * 2.5 * least);
+  EXPECT_NEAR(found[1][2].deviation, rig_noise()[2].deviation, 0.15 * rig_noise()[2].deviation);
+}
 
 TEST(Certificate, IsGivenToTheEffectThatActsAndToNoneWhenNothingDoes) {
   TwinConfig tilted = some_twin();
