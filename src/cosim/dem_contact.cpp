@@ -60,11 +60,8 @@ DemContact::DemContact(const wheel::WheelModel& wheel, const dem::GranularSoil& 
                        double rig_step)
     : report_(bed.report),
       soil_(soil_under(wheel, soil, bed, settings, ports, threads, track_energy, rig_step)),
-      coupled_(wheel, soil_, ports) {}
-
-double DemContact::clearance() const {
-  return start_clearance(soil_, coupled_.wheel());
-}
+      coupled_(wheel, soil_, ports),
+      clearance_(start_clearance(soil_, coupled_.wheel())) {}
 
 void DemContact::write_checkpoint(const std::string& path) const {
   dem::Archive archive = soil_archive(soil_);

@@ -33,7 +33,8 @@ class DemContact final : public rig::Contact {
 
   rig::HubLoad advance(const rig::HubMotion& motion) override { return coupled_.advance(motion); }
 
-  double clearance() const;  ///< start_clearance, m
+  /// start_clearance of the bed as it was made, m; a restored state does not change it.
+  double clearance() const { return clearance_; }
 
   /// Soil, wheel and the answers so far, so that a run taken up from there goes on with identical bits.
   void write_checkpoint(const std::string& path) const;
@@ -52,6 +53,7 @@ class DemContact final : public rig::Contact {
   dem::BedReport report_;
   DemSoil soil_;
   CoupledContact coupled_;
+  double clearance_ = 0.0;
 };
 
 }  // namespace wheel_twin::cosim

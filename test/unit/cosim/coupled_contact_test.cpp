@@ -2,13 +2,18 @@
 // threads and after a restart, and that the ports act.
 #include "cosim/coupled_contact.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "base/error.h"
+#include "cosim/dem_contact.h"
 #include "cosim/frame.h"
 #include "small_rig.h"
 
@@ -88,6 +93,42 @@ TEST(CoupledContact, ARestartGivesTheSameBits) {
   second.contact.resume(halfway);
   EXPECT_TRUE(second.contact.replaying());
   expect_same_bits(reference(), outcome_of(second));
+}
+
+// The height at which a run starts comes from the bed as it was made, not from the rut of the restored one.
+TEST(DemContact, ACheckpointFileGivesTheSameBits) {
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / fmt::format("dem_contact_{}", getpid());
+  std::filesystem::create_directories(folder);
+  setenv("WHEEL_TWIN_CACHE", folder.c_str(), 1);
+  DemSettings settings;
+  settings.bed.length = 0.15;
+  settings.bed.width = 0.06;
+  settings.bed.depth = 0.03;
+  settings.bed.fill_friction = 0.5;
+  settings.start_x = 0.05;
+  const std::string path = folder / "checkpoint.h5";
+  SmallRun small;
+  std::vector<dem::State> ends;
+  double clearance = 0.0;
+  for (const bool resumed : {false, true}) {
+    DemContact contact(test::small_wheel(), test::soil(), settings, {}, 1);
+    if (resumed) contact.resume(path);
+    if (!resumed) clearance = contact.clearance();
+    EXPECT_EQ(contact.clearance(), clearance);
+    rig::RunSettings course = small.settings;
+    course.profile.clearance = contact.clearance();
+    rig::FreeRun run(course, contact, {});
+    for (int i = 0; i < 200; ++i) {
+      run.advance();
+      if (!resumed && i == 150) contact.write_checkpoint(path);
+    }
+    ends.push_back(contact.soil().state());
+  }
+  EXPECT_LT(ends[0].position.size(), 1000U);
+  EXPECT_EQ(ends[0].position, ends[1].position);
+  EXPECT_EQ(ends[0].velocity, ends[1].velocity);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(CoupledContact, ACheckpointOfAnotherRunIsRefused) {
