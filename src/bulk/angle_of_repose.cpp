@@ -124,7 +124,7 @@ ReposeResult angle_of_repose(const dem::GranularSoil& soil, const ReposeSettings
   const Funnel f = make_funnel(soil, s);
   const double solid = static_cast<double>(s.clumps) * soil.clumps.mean_volume();
   const double heap_radius = std::cbrt(3.0 * solid / 0.5 / (pi * std::tan(30.0 / degrees)));
-  const double half = 1.8 * heap_radius;
+  const double half = std::max(1.8 * heap_radius, f.tube + 4.0 * soil.clumps.largest_bounding_radius());
   dem::System system = make_world(soil, s, f, half);
 
   dem::CloudRegion region;

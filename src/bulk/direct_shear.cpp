@@ -13,6 +13,7 @@
 #include "dem/archive.h"
 #include "dem/cache.h"
 #include "dem/cloud.h"
+#include "dem/limits.h"
 #include "dem/measures.h"
 #include "dem/settle.h"
 #include "dem/state_file.h"
@@ -259,6 +260,11 @@ double ShearResult::friction_angle_error() const {
 
 ShearResult direct_shear(const GranularSoil& soil, const ShearSettings& s) {
   if (s.normal_stresses.empty()) throw Error("direct shear: no normal stress is given");
+  for (const double stress : s.normal_stresses)
+    dem::check_positive("direct shear: normal stress (Pa)", stress);
+  dem::check_positive("direct shear: rate (m/s)", s.rate, 1.0);
+  dem::check_positive("direct shear: travel (m)", s.travel, 0.5 * s.length);
+  dem::check_positive("direct shear: consolidation (s)", s.consolidation_time, 60.0);
   ShearResult result;
   result.sample = shear_sample(soil, s);
   Progress progress("direct shear", static_cast<double>(s.normal_stresses.size()));

@@ -14,6 +14,7 @@
 #include "base/plot.h"
 #include "base/progress.h"
 #include "bulk/folder.h"
+#include "dem/limits.h"
 
 namespace wheel_twin::bulk {
 namespace {
@@ -123,8 +124,9 @@ SinkageResult plate_sinkage(const dem::GranularSoil& soil, const SinkageSettings
       throw Error(fmt::format(
           "plate sinkage: a plate of {} m needs a bed of at least twice its diameter, this one has {} m",
           diameter, s.bed_size));
-  if (s.sinkage > 0.5 * s.bed_depth)
-    throw Error("plate sinkage: the sinkage must stay below half of the bed's depth");
+  dem::check_positive("plate sinkage: rate (m/s)", s.rate, 1.0);
+  dem::check_positive("plate sinkage: sinkage (m), at most half of the bed's depth,", s.sinkage,
+                      0.5 * s.bed_depth);
   const dem::Bed bed = fetch_bed(soil, settings, s.threads);
   Progress progress("plate sinkage", static_cast<double>(s.diameters.size()));
   std::vector<SinkageCurve> curves;

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <new>
 
 #include "cli/commands.h"
 
@@ -27,6 +28,9 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "twin: there is not enough memory for this\n");
+    return 1;
   } catch (const std::exception& error) {
     fmt::print(stderr, "twin: {}\n", error.what());
     return 1;

@@ -14,6 +14,7 @@
 #include "dem/archive.h"
 #include "dem/cache.h"
 #include "dem/cloud.h"
+#include "dem/limits.h"
 #include "dem/settle.h"
 #include "dem/state_file.h"
 
@@ -243,8 +244,7 @@ System bed_world(const GranularSoil& soil, const BedSettings& s, double headroom
 
 Bed make_bed(const GranularSoil& soil, const BedSettings& s, int threads,
              const std::string& checkpoint_path) {
-  if (!(s.length > 0.0) || !(s.width > 0.0) || !(s.depth > 0.0))
-    throw Error("bed: length, width and depth must be positive");
+  check_bed(soil, s);
   Unfinished work;
   std::optional<System> made;
   if (!checkpoint_path.empty() && std::filesystem::exists(checkpoint_path)) {

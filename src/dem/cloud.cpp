@@ -7,6 +7,7 @@
 #include <unordered_map>
 
 #include "base/error.h"
+#include "dem/limits.h"
 
 namespace wheel_twin::dem {
 namespace {
@@ -113,6 +114,8 @@ std::vector<std::uint32_t> shuffled_shapes(const ClumpFamily& family, std::size_
 
 std::vector<Particle> random_cloud(const ClumpFamily& family, const CloudRegion& region, std::size_t count,
                                    Random& random, std::uint32_t material) {
+  const auto clumps = static_cast<double>(count);
+  check_memory("random cloud", clumps, clumps * family.mean_spheres());
   double largest_radius = 0.0;
   for (const ClumpTemplate& shape : family.shapes)
     for (const ClumpSphere& sphere : shape.spheres) largest_radius = std::max(largest_radius, sphere.radius);

@@ -81,6 +81,13 @@ double ClumpFamily::largest_bounding_radius() const {
   return radius * largest_size;
 }
 
+double ClumpFamily::mean_spheres() const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < shapes.size(); ++i)
+    sum += shares[i] * static_cast<double>(shapes[i].spheres.size());
+  return sum;
+}
+
 double ClumpFamily::mean_volume() const {
   // Mean of s^3 over a uniform s in [a, b] is (a + b)(a^2 + b^2)/4.
   const double a = smallest_size;

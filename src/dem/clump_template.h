@@ -60,7 +60,8 @@ struct ClumpFamily {
 
   double smallest_radius() const;  ///< of any sphere in the family, m
   double largest_bounding_radius() const;
-  double mean_volume() const;  ///< of a clump, m^3, over shapes and sizes
+  double mean_volume() const;   ///< of a clump, m^3, over shapes and sizes
+  double mean_spheres() const;  ///< of a clump
 };
 
 /// Keys: name, sphere_radius (m, nominal), size_range [low, high] (factors), shapes: list of {name, share

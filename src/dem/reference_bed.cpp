@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "dem/cloud.h"
 
@@ -28,20 +30,18 @@ std::size_t spheres_of_shape(const ClumpFamily& family) {
 constexpr double kCloudDensity = 0.2;
 constexpr double kBedDepth = 0.1;  // m
 
-}  // namespace
-
-System make_reference_world(const ReferenceBed& bed, const GranularSoil& soil) {
+/// Periodic box from the origin to `high`, `copies` times as wide, over a floor.
+System make_world(const ReferenceBed& bed, const GranularSoil& soil, const Eigen::Vector3d& high,
+                  const std::array<int, 2>& copies) {
   const ClumpFamily family = family_of(bed, soil);
-  const double grains = static_cast<double>(bed.spheres / spheres_of_shape(family)) * family.mean_volume();
-  const double area = grains / (0.55 * kBedDepth);
   WorldSettings settings;
   settings.low = {0.0, 0.0, 0.0};
-  settings.high = {std::sqrt(2.2 * area), std::sqrt(area / 2.2),
-                   1.05 * grains / (area * kCloudDensity) + 0.05};
+  settings.high = {copies[0] * high.x(), copies[1] * high.y(), high.z()};
   settings.periodic_x = settings.periodic_y = true;
   settings.time_step = bed.time_step;
   settings.smallest_size = family.smallest_size;
   settings.threads = bed.threads;
+  settings.sleep = bed.sleep;
   System system(settings, soil.materials(), family.shapes);
   Wall ground;
   ground.name = "floor";
@@ -49,6 +49,17 @@ System make_reference_world(const ReferenceBed& bed, const GranularSoil& soil) {
   ground.shape = HalfSpace{};
   system.add_wall(ground);
   return system;
+}
+
+}  // namespace
+
+System make_reference_world(const ReferenceBed& bed, const GranularSoil& soil) {
+  const ClumpFamily family = family_of(bed, soil);
+  const double grains = static_cast<double>(bed.spheres / spheres_of_shape(family)) * family.mean_volume();
+  const double area = grains / (0.55 * kBedDepth);
+  return make_world(
+      bed, soil,
+      {std::sqrt(2.2 * area), std::sqrt(area / 2.2), 1.05 * grains / (area * kCloudDensity) + 0.05}, {1, 1});
 }
 
 void settle_reference_bed(System& system, const ReferenceBed& bed, const GranularSoil& soil,
@@ -78,6 +89,66 @@ void settle_reference_bed(System& system, const ReferenceBed& bed, const Granula
     if (kinetic < 0.5 * mass * 1e-3 * 1e-3) break;
   }
   progress(1.0);
+}
+
+System tiled_reference_bed(const System& settled, const ReferenceBed& bed, const GranularSoil& soil,
+                           int across_x, int across_y) {
+  const std::array<int, 2> copies{across_x, across_y};
+  const Eigen::Vector3d low = settled.settings().low;
+  const Eigen::Vector3d extent = settled.settings().high - low;
+  System system = make_world(bed, soil, settled.settings().high, copies);
+  const State one = settled.state();
+  const std::vector<SphereState> spheres = settled.spheres();
+  const auto sphere_count = static_cast<std::uint32_t>(spheres.size());
+  const auto tile = [&](int i, int j) {
+    return static_cast<std::uint32_t>((i + across_x) % across_x * across_y + (j + across_y) % across_y);
+  };
+  const auto repeat = [&](auto& all, const auto& column) {
+    all.insert(all.end(), column.begin(), column.end());
+  };
+  State state = one;
+  for (int copy = 1; copy < across_x * across_y; ++copy) {
+    repeat(state.shape, one.shape);
+    repeat(state.material, one.material);
+    repeat(state.size, one.size);
+    repeat(state.stiffness, one.stiffness);
+    repeat(state.velocity, one.velocity);
+    repeat(state.angular_momentum, one.angular_momentum);
+    repeat(state.orientation, one.orientation);
+    repeat(state.load, one.load);
+  }
+  state.position.clear();
+  state.contacts.clear();
+  state.wall_contacts.clear();
+  for (int i = 0; i < across_x; ++i) {
+    for (int j = 0; j < across_y; ++j) {
+      const std::uint32_t here = tile(i, j) * sphere_count;
+      for (const auto& p : one.position)
+        state.position.emplace_back(p.x() + i * extent.x(), p.y() + j * extent.y(), p.z());
+      for (ContactHistory h : one.contacts) {
+        // The image of b that a touches may be that of the next copy.
+        const Eigen::Vector3d between = spheres[h.b].center - spheres[h.a].center;
+        const int di = static_cast<int>(std::lround(between.x() / extent.x()));
+        const int dj = static_cast<int>(std::lround(between.y() / extent.y()));
+        h.a += here;
+        h.b += tile(i - di, j - dj) * sphere_count;
+        if (h.a > h.b) {
+          std::swap(h.a, h.b);
+          for (int k = 0; k < 3; ++k) {
+            h.shear[k] = -h.shear[k];
+            h.rolling[k] = -h.rolling[k];
+          }
+        }
+        state.contacts.push_back(h);
+      }
+      for (ContactHistory h : one.wall_contacts) {
+        h.a += here;
+        state.wall_contacts.push_back(h);
+      }
+    }
+  }
+  system.restore(state);
+  return system;
 }
 
 std::string lammps_data(const System& system) {

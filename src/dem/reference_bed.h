@@ -15,6 +15,7 @@ struct ReferenceBed {
   std::size_t spheres = 80000;  ///< at least this many
   double time_step = 1.77e-5;   ///< s
   int threads = 1;
+  SleepSettings sleep;
 };
 
 /// The world without particles.
@@ -24,6 +25,11 @@ System make_reference_world(const ReferenceBed& bed, const GranularSoil& soil);
 /// when a particle moves slower than 1 mm/s in the mean square.
 void settle_reference_bed(System& system, const ReferenceBed& bed, const GranularSoil& soil,
                           const std::function<void(double)>& progress);
+
+/// `settled` laid side by side, `across_x` times `across_y` copies in a world so much larger: a settled bed
+/// of any size, contacts across the seams included.
+System tiled_reference_bed(const System& settled, const ReferenceBed& bed, const GranularSoil& soil,
+                           int across_x, int across_y);
 
 /// The spheres as a data file of LAMMPS (atom style hybrid sphere molecular; a clump is a molecule).
 std::string lammps_data(const System& system);

@@ -54,7 +54,7 @@ void System::remove_wall(std::uint32_t wall) {
 }
 
 void System::set_wall_motion(std::uint32_t wall, const Motion& motion) {
-  impl_->walls.parts().at(wall).wall.motion = motion;
+  impl_->walls.set_motion(wall, motion);
 }
 void System::set_wall_pose(std::uint32_t wall, const Pose& pose, const Motion& motion) {
   impl_->walls.set_pose(wall, pose, motion);

@@ -65,6 +65,13 @@ Eigen::Vector3d center_of(const SphereRow& row) {
   return {row.x[0], row.x[1], row.x[2]};
 }
 
+void check_finite(const std::string& name, const Pose& pose, const Motion& motion) {
+  if (pose.position.allFinite() && pose.orientation.coeffs().allFinite() && motion.velocity.allFinite() &&
+      motion.angular_velocity.allFinite())
+    return;
+  throw Error(fmt::format("wall '{}': pose or motion is not finite", name));
+}
+
 double rotated_distance(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double radius) {
   return a.angularDistance(b) * radius;
 }
@@ -77,10 +84,7 @@ struct WallSet::Found {
 };
 
 std::uint32_t WallSet::add(const Wall& wall) {
-  if (!wall.pose.position.allFinite() || !wall.pose.orientation.coeffs().allFinite() ||
-      !wall.motion.velocity.allFinite() || !wall.motion.angular_velocity.allFinite()) {
-    throw Error(fmt::format("wall '{}': pose or motion is not finite", wall.name));
-  }
+  check_finite(wall.name, wall.pose, wall.motion);
   Part part;
   part.wall = wall;
   part.wall.pose.orientation.normalize();
@@ -112,6 +116,7 @@ void WallSet::remove(std::uint32_t wall) {
 
 void WallSet::set_pose(std::uint32_t wall, const Pose& pose, const Motion& motion) {
   Part& part = parts_.at(wall);
+  check_finite(part.wall.name, pose, motion);
   part.slack -= (pose.position - part.wall.pose.position).norm() +
                 rotated_distance(pose.orientation, part.wall.pose.orientation, part.radius);
   part.wall.pose = pose;
@@ -119,6 +124,12 @@ void WallSet::set_pose(std::uint32_t wall, const Pose& pose, const Motion& motio
   part.wall.motion = motion;
   part.placed = part.moved = true;
   place_facets(part.wall, part.facets);
+}
+
+void WallSet::set_motion(std::uint32_t wall, const Motion& motion) {
+  Part& part = parts_.at(wall);
+  check_finite(part.wall.name, part.wall.pose, motion);
+  part.wall.motion = motion;
 }
 
 void WallSet::set_mesh(std::uint32_t wall, const Mesh& mesh) {
@@ -129,6 +140,8 @@ void WallSet::set_mesh(std::uint32_t wall, const Mesh& mesh) {
   }
   double way = 0.0;
   for (std::size_t k = 0; k < mesh.vertices.size(); ++k) {
+    if (!mesh.vertices[k].allFinite())
+      throw Error(fmt::format("wall '{}': vertex {} is not finite", part.wall.name, k));
     way = std::max(way, (mesh.vertices[k] - old->vertices[k]).norm());
   }
   part.slack -= way;

@@ -41,6 +41,7 @@ class WallSet {
   std::uint32_t add(const Wall& wall);
   void remove(std::uint32_t wall);
   void set_pose(std::uint32_t wall, const Pose& pose, const Motion& motion);
+  void set_motion(std::uint32_t wall, const Motion& motion);
   void set_mesh(std::uint32_t wall, const Mesh& mesh);
   std::vector<Part>& parts() { return parts_; }
   const std::vector<Part>& parts() const { return parts_; }

@@ -64,6 +64,8 @@ Settings read_settings(const ros::NodeHandle& node) {
   s.bed.width = params.number("width", s.bed.width, {0.03, 10.0});
   s.bed.depth = params.number("depth", s.bed.depth, {0.02, 2.0});
   s.bed.seed = static_cast<std::uint64_t>(params.integer("seed", 1, 0, 1000000000));
+  if (const auto friction = params.optional_number("fill_friction", {0.0, 10.0}))
+    s.bed.fill_friction = friction;
   s.threads = params.integer("threads", 1, 1, 64);
   s.save_path = params.absolute_path("save_path");
   s.frame = params.text("frame_id", "rig");

@@ -3,9 +3,9 @@
 // its bed and grains those of `dem` (a name in config/dem). Topics: soil/cloud, soil/height_map (PointCloud2,
 // at `publish_rate`, 2 Hz at most), soil/rut (Marker), soil/state (String, latched: empty, preparing, ready,
 // running, failed: why), diagnostics. Services: soil/prepare, soil/save (std_srvs/Trigger). Parameters: soil,
-// length, width, depth, seed, threads, save_path, wheel, dem, patience (s that the wheel may be silent),
-// frame_id, publish_rate, rut_half_width, prepare_at_start. Frame: x along travel, z up, 0 at the mean
-// surface.
+// length, width, depth, seed, fill_friction (tuned where not set), threads, save_path, wheel, dem, patience
+// (s that the wheel may be silent), frame_id, publish_rate, rut_half_width, prepare_at_start. Frame: x along
+// travel, z up, 0 at the mean surface.
 #pragma once
 
 #include <ros/node_handle.h>

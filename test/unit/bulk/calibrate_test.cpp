@@ -1,8 +1,10 @@
 #include "bulk/calibrate.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "base/error.h"
@@ -89,6 +91,35 @@ TEST(Calibrate, SaysWhatRemainsOpen) {
   EXPECT_FALSE(c.log10_modulus.determined);
   EXPECT_NE(c.undetermined.find("Friction is not determined"), std::string::npos);
   EXPECT_NE(c.undetermined.find("shear modulus is not determined"), std::string::npos);
+}
+
+TEST(Calibrate, RunsTheHeapsItselfAndWritesWhatItFound) {
+  // Three heaps of sixty clumps: far too few for an angle, enough for every step of the way.
+  dem::GranularSoil soil;
+  soil.clumps.shapes = {dem::make_clump("pair", {{{0, 0, 0}, 0.003}, {{0.003, 0, 0}, 0.003}})};
+  soil.clumps.shares = {1.0};
+  soil.clumps.smallest_size = 0.9;
+  soil.clumps.largest_size = 1.1;
+  Measurements measured;
+  measured[angle_of_repose_quantity] = Measured{0.5, 0.05};
+  CalibrationSettings settings;
+  settings.initial_points = settings.largest_points = 3;
+  TestSettings tests;
+  tests.heap_clumps = 60;
+  const Calibration c = calibrate(measured, settings, bulk_tests(soil, measured, tests));
+  ASSERT_EQ(c.evaluations.size(), 3U);
+  for (const Evaluation& e : c.evaluations) {
+    EXPECT_GT(e.value[angle_of_repose_quantity], 0.0);
+    EXPECT_LT(e.value[angle_of_repose_quantity], 0.9);
+    EXPECT_TRUE(std::isnan(e.value[cohesion]));
+  }
+  EXPECT_NE(c.undetermined.find("shear modulus is not determined"), std::string::npos) << c.undetermined;
+  const auto folder = std::filesystem::temp_directory_path() / ("calibrate_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  write_calibration(folder.string(), soil, measured, c);
+  for (const char* file : {"evaluations.csv", "calibration.json", "calibration.svg"})
+    EXPECT_GT(std::filesystem::file_size(folder / file), 100U) << file;
+  std::filesystem::remove_all(folder);
 }
 
 TEST(Calibrate, GoesOnFromKnownEvaluations) {

@@ -89,6 +89,22 @@ TEST_F(StateFile, ACheckpointOfAnotherSystemIsRefused) {
   EXPECT_THROW(restore_checkpoint(file, stranger), Error);
 }
 
+TEST_F(StateFile, TheLastCheckpointOutlivesARunThatFails) {
+  const GranularSoil soil = small_soil();
+  const std::string file = (folder_ / "checkpoint.h5").string();
+  System straight = falling(soil);
+  straight.step(3000);
+  System failing = falling(soil);
+  failing.step(2000);
+  write_checkpoint(file, failing);
+  failing.set_velocity(7, {0.0, 0.0, 1e6}, {0.0, 0.0, 0.0});
+  EXPECT_THROW(failing.step(1000), Error);
+  System resumed = falling(soil);
+  restore_checkpoint(file, resumed);
+  resumed.step(1000);
+  EXPECT_EQ(hash_of(resumed), hash_of(straight));
+}
+
 TEST_F(StateFile, ABedIsMadeOnceAndFetchedAfter) {
   setenv("WHEEL_TWIN_CACHE", folder_.c_str(), 1);
   GranularSoil soil = small_soil();

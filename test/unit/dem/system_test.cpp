@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <functional>
+
 #include "base/error.h"
 #include "dem_fixture.h"
 
@@ -117,6 +119,62 @@ TEST(System, NamesTheParticleThatLeaves) {
     EXPECT_THAT(error.what(), testing::HasSubstr("particle 1 at (0.1"));
     EXPECT_THAT(error.what(), testing::HasSubstr("outside the domain"));
   }
+}
+
+std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(System, RefusesWhatIsNotANumber) {
+  System system = box_of(4, 4, 0.2, 0.012, {ball()});
+  const auto plate = system.add_wall(floor_wall(-0.005));
+  Motion motion;
+  motion.velocity.z() = NAN;
+  Wall wall = floor_wall();
+  wall.pose.position.x() = NAN;
+  const Mesh flat = parallelogram({0.0, 0.0, 0.0}, {0.01, 0.0, 0.0}, {0.0, 0.01, 0.0});
+  Wall square = floor_wall(0.1);
+  square.name = "square";
+  square.shape = flat;
+  const auto number = system.add_wall(square);
+  Mesh bent = flat;
+  bent.vertices[1].z() = NAN;
+  const auto refuses = testing::HasSubstr("not finite");
+  EXPECT_THAT(message_of([&] { system.set_wall_motion(plate, motion); }), refuses);
+  EXPECT_THAT(message_of([&] { system.set_wall_pose(plate, wall.pose, {}); }), refuses);
+  EXPECT_THAT(message_of([&] { system.add_wall(wall); }), refuses);
+  EXPECT_THAT(message_of([&] { system.set_wall_shape(number, bent); }), refuses);
+  EXPECT_THAT(message_of([&] { system.set_gravity({0.0, NAN, 0.0}); }), refuses);
+  // What nobody looks at before: the step at which it is felt names the particle.
+  system.add({at({0.02, 0.02, 0.05})});
+  system.step(3);
+  system.set_velocity(0, {0.0, NAN, 0.0}, {0.0, 0.0, 0.0});
+  const std::string message = message_of([&] { system.step(); });
+  EXPECT_THAT(message, testing::HasSubstr("step 4: particle 0"));
+  EXPECT_THAT(message, refuses);
+}
+
+TEST(System, AWallThroughTheBedIsNamedAtTheStep) {
+  System system = box_of(6, 6, 0.2, 0.0115, {four()});
+  system.add(cloud(6, 6, 4, 0.0115, 1, 4));
+  system.step(8000);
+  Wall plate = floor_wall(0.01);
+  plate.name = "plate";
+  plate.shape = box_mesh({0.005, 0.005, 0.0}, {0.06, 0.06, 0.004});
+  const State before = system.state();
+  system.add_wall(plate);
+  const std::string message = message_of([&] { system.step(); });
+  EXPECT_THAT(message, testing::HasSubstr("step 8001: particle"));
+  EXPECT_THAT(message, testing::HasSubstr("deep in wall 'plate'"));
+  EXPECT_EQ(message.find('\n'), std::string::npos);
+  // The state from before goes on.
+  system.restore(before);
+  system.step(100);
 }
 
 TEST(System, RefusesAStepBeyondTheRayleighTime) {
