@@ -100,9 +100,10 @@ class DemSoil(unittest.TestCase):
 
     def test_a_bed_that_cannot_be_made_is_said(self):
         state = Collector("/soil/state", String)
-        with node("impossible", "length:=0.03", "width:=0.06", "depth:=0.03", "fill_friction:=0.9"):
+        with node("impossible", "length:=10", "width:=10", "depth:=2", "fill_friction:=0.9"):
             failed = state.wait(lambda m: m and m[-1].data.startswith("failed"), "the failure")[-1].data
-            self.assertIn("period 0.03 m along x", failed)
+            self.assertIn("bed of 10 x 10 x 2 m", failed)
+            self.assertIn("GB of memory", failed)
             self.assertNotIn("\n", failed)
         state.close()
 
