@@ -133,7 +133,7 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
   LogDeviation predicted{};
   Predicted course;
   if (with_fluctuation && evidence.fluctuation.known) {
-    const Fluctuating simulated = simulate_fluctuating(model, grid, evidence.fluctuation);
+    const Fluctuating simulated = simulate_fluctuating(model, grid, evidence.fluctuation_of(run));
     predicted = simulated.log_deviation;
     course = simulated.course;
   } else {
@@ -418,7 +418,7 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
         in_loop = sticks(model);
         if (!in_loop)
           for (const std::size_t run : runs)
-            held.push_back(predicted_log_deviation(model, *evidence.runs[run], evidence.fluctuation));
+            held.push_back(predicted_log_deviation(model, *evidence.runs[run], evidence.fluctuation_of(run)));
       } catch (const Error&) {
         continue;
       }

@@ -21,12 +21,19 @@ struct Evidence {
                                      ///< scales; empty: taken anew at every look
   std::vector<NoiseModel> noise;     ///< of each run
   FluctuationModel fluctuation;
-  std::vector<const RunGrid*> runs;                      ///< measured
+  std::vector<LogDeviation> beyond;  ///< of each run: FluctuationModel::beyond; empty: nothing
+  std::vector<const RunGrid*> runs;  ///< measured
   std::vector<std::vector<LogDeviation>> log_deviation;  ///< of each run, by stretch
   std::vector<LogDeviation> calm;  ///< of each run, as the baseline on an uneven bed has it
   std::vector<std::optional<double>>
       lag;                  ///< of the draw wire behind the wrench, s, less that of the references
   double lag_error = 0.05;  ///< s
+
+  FluctuationModel fluctuation_of(std::size_t run) const {
+    FluctuationModel model = fluctuation;
+    if (run < beyond.size()) model.beyond = beyond[run];
+    return model;
+  }
 };
 
 struct Candidate {

@@ -113,7 +113,7 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
     const RunGrid& grid = *evidence.runs[r];
     Fluctuating simulated;
     if (fluctuates && evidence.fluctuation.known) {
-      simulated = simulate_fluctuating(model, grid, evidence.fluctuation);
+      simulated = simulate_fluctuating(model, grid, evidence.fluctuation_of(r));
     } else {
       simulated.course = simulate(model, grid);
       if (evidence.fluctuation.known) simulated.log_deviation = evidence.calm[r];
@@ -134,31 +134,37 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
         turn_sin.push_back(std::sin(grid.motion[static_cast<std::size_t>(i)].wheel_angle));
       }
       if (values.size() < 12) continue;
-      const Projection mean = project(values, level, noise.deviation, noise.keep);
+      // A run that shakes more than its neighbours in slip and load is told of as fluctuation, not as a
+      // level.
+      const double deviation = std::max(noise.deviation, robust_deviation(without_level(values)));
+      const Projection mean = project(values, level, deviation, noise.keep);
       note(grid, channel, "level", mean.value, std::hypot(mean.error, noise.run_offset));
       for (auto* course : {&time, &turn_cos, &turn_sin}) centre(*course);
       const double span = time.back() - time.front();
-      const Projection trend = project(values, time, noise.deviation, noise.keep);
+      const Projection trend = project(values, time, deviation, noise.keep);
       note(grid, channel, "trend", trend.value * span, trend.error * span);
       for (const auto* course : {&turn_cos, &turn_sin}) {
-        const Projection turn = project(values, *course, noise.deviation, noise.keep);
+        const Projection turn = project(values, *course, deviation, noise.keep);
         note(grid, channel, "turn", turn.value, turn.error);
       }
-      // A place: the largest mean over four seconds, less the run's own level.
+      // A place: the largest mean over four seconds, less the run's own level, against what such means
+      // scatter by, so that slow noise is not one. Not the first: how a wheel leaves its print is the soil's.
       const auto width = static_cast<std::size_t>(std::max(2.0, 4.0 / grid.bin));
-      double worst = 0.0, worst_error = 0.0;
-      int places = 0;
-      for (std::size_t begin = 0; begin + width <= values.size(); begin += width, ++places) {
+      std::vector<double> places;
+      for (std::size_t begin = width; begin + width <= values.size(); begin += width) {
         double sum = 0.0;
         for (std::size_t i = begin; i < begin + width; ++i)
           sum += (values[i] - mean.value) / static_cast<double>(width);
-        const double error =
-            noise.deviation * std::sqrt((1.0 + noise.keep) / (1.0 - noise.keep) / static_cast<double>(width));
-        if (std::abs(sum) > std::abs(worst)) worst = sum, worst_error = error;
+        places.push_back(sum);
       }
-      if (worst_error > 0.0) {
-        note(grid, channel, "place", worst, worst_error);
-        asked += places - 1;
+      if (!places.empty()) {
+        const double error = std::max(
+            deviation * std::sqrt((1.0 + noise.keep) / (1.0 - noise.keep) / static_cast<double>(width)),
+            robust_deviation(places));
+        const double worst = *std::max_element(places.begin(), places.end(),
+                                               [](double a, double b) { return std::abs(a) < std::abs(b); });
+        note(grid, channel, "place", worst, error);
+        asked += static_cast<int>(places.size()) - 1;
       }
       if (evidence.fluctuation.known)
         note(grid, channel, "fluctuation",

@@ -408,6 +408,8 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     for (const RunGrid* run : references)
       left_of_references.residuals.push_back(residual_of(*run, simulate(d.before, *run)));
     evidence.fluctuation = fit_fluctuation(d.before, references, left_of_references.residuals);
+    evidence.beyond = fluctuation_beyond(evidence.fluctuation, d.before, references,
+                                         left_of_references.residuals, measured);
   } else {
     evidence.baseline.corrections.clear();
     d.before = evidence.baseline;
@@ -424,7 +426,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
     evidence.calm.push_back(evidence.fluctuation.known
-                                ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation)
+                                ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation_of(r))
                                 : LogDeviation{});
     const std::optional<Lag>& lag = measured[r]->lag;
     const bool agrees =
@@ -492,9 +494,17 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   }
   const Errors errors = errors_of(measured, nothing.model, best.model, evidence.noise);
   const double ratio = worst_ratio(errors);
+  // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
+  std::optional<double> tone;
+  if (sticks(best.model)) {
+    std::vector<Residual> left;
+    for (const RunGrid* run : measured) left.push_back(residual_of(*run, slow_course(best.model, *run)));
+    tone = common_tone(measured, left);
+  }
   const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
   const double unexplained =
-      ratio < never_explained && (explained > mostly_explained || least_gone(errors) > nearly_gone)
+      tone ? 1.0
+      : ratio < never_explained && (explained > mostly_explained || least_gone(errors) > nearly_gone)
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   if (!something)
@@ -581,6 +591,11 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
           "No effect of the catalogue brings it to the noise level: the best, {}, leaves {:.1f} times the "
           "noise floor (corrected p = {:.2g}).",
           effect_list(best.effects), ratio, p_best);
+    if (tone)
+      d.evidence += fmt::format(
+          " Most of what a channel fluctuates by is one tone of {:.3g} Hz, the same in most runs: a machine, "
+          "not friction.",
+          *tone);
   }
   d.evidence = told(d.recording_errors) + d.evidence;
   return d;

@@ -15,7 +15,7 @@ constexpr double largest_unevenness = 0.7;
 LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fluctuation) {
   for (std::size_t c = 0; c < channel_count; ++c) {
     const double made = std::isfinite(simulated[c]) ? std::exp(simulated[c]) : 0.0;
-    simulated[c] = std::log(std::max(1e-12, std::hypot(made, fluctuation.other[c])));
+    simulated[c] = std::log(std::max(1e-12, std::hypot(made, fluctuation.other[c]))) + fluctuation.beyond[c];
   }
   return simulated;
 }
@@ -123,6 +123,72 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
   }
   fluctuation.known = true;
   return fluctuation;
+}
+
+std::vector<LogDeviation> fluctuation_beyond(const FluctuationModel& fluctuation, const TwinConfig& model,
+                                             const std::vector<const RunGrid*>& references,
+                                             const std::vector<Residual>& residuals,
+                                             const std::vector<const RunGrid*>& runs) {
+  std::vector<LogDeviation> result(runs.size());
+  if (!fluctuation.known) return result;
+  std::vector<LogDeviation> excess;
+  for (std::size_t g = 0; g < references.size(); ++g) {
+    const LogDeviation measured = log_deviation(*references[g], residuals[g].bins);
+    const LogDeviation predicted = predicted_log_deviation(model, *references[g], fluctuation);
+    excess.emplace_back();
+    for (std::size_t c = 0; c < channel_count; ++c) excess.back()[c] = measured[c] - predicted[c];
+  }
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    const std::vector<double> weights = nearness(references, *runs[r]);
+    for (std::size_t c = 0; c < channel_count; ++c) {
+      double sum = 0.0, known = 0.0;
+      for (std::size_t g = 0; g < excess.size(); ++g) {
+        if (!std::isfinite(excess[g][c])) continue;
+        sum += weights[g] * excess[g][c];
+        known += weights[g];
+      }
+      result[r][c] = known > 0.0 ? sum / known : 0.0;
+    }
+  }
+  return result;
+}
+
+std::optional<double> common_tone(const std::vector<const RunGrid*>& grids,
+                                  const std::vector<Residual>& residuals) {
+  constexpr double most = 0.5;     // of the variance
+  constexpr int least_cycles = 4;  // in a run: slower courses are levels and trends
+  for (int c = 0; c < channel_rows; ++c) {
+    std::vector<double> tones;
+    for (std::size_t g = 0; g < grids.size(); ++g) {
+      std::vector<double> values;
+      for (int i = 0; i < grids[g]->bins(); ++i)
+        if (grids[g]->moving[static_cast<std::size_t>(i)] && std::isfinite(residuals[g].bins(c, i)))
+          values.push_back(residuals[g].bins(c, i));
+      const auto n = static_cast<int>(values.size());
+      double mean = 0.0, variance = 0.0, strongest = 0.0, tone = 0.0;
+      for (const double v : values) mean += v / n;
+      for (const double v : values) variance += (v - mean) * (v - mean) / n;
+      // Half steps of the Fourier frequencies: no tone falls between two.
+      for (int k = 2 * least_cycles; k < n / 2; ++k) {
+        const double turn = M_PI * k / n;  // a bin
+        double along = 0.0, across = 0.0;
+        for (int i = 0; i < n; ++i) {
+          along += (values[static_cast<std::size_t>(i)] - mean) * std::cos(turn * i);
+          across += (values[static_cast<std::size_t>(i)] - mean) * std::sin(turn * i);
+        }
+        const double power = 2.0 * (along * along + across * across) / (static_cast<double>(n) * n);
+        if (power > strongest) strongest = power, tone = turn / (2.0 * M_PI * grids[g]->bin);
+      }
+      if (strongest > most * variance) tones.push_back(tone);
+    }
+    if (2 * tones.size() <= grids.size()) continue;
+    std::sort(tones.begin(), tones.end());
+    const double middle = tones[tones.size() / 2];
+    const auto alike = std::count_if(tones.begin(), tones.end(),
+                                     [&](double tone) { return std::abs(tone / middle - 1.0) < 0.1; });
+    if (2 * static_cast<std::size_t>(alike) > grids.size()) return middle;
+  }
+  return std::nullopt;
 }
 
 bool sticks(const TwinConfig& model) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "twin/noise.h"
@@ -29,12 +30,25 @@ LogDeviation mean_of(const std::vector<LogDeviation>& several);
 struct FluctuationModel {
   Unevenness unevenness;
   std::array<double, channel_count> other{};  ///< deviation of what unevenness does not make, SI
-  bool known = false;                         ///< false: nothing is known (no reference runs)
+  LogDeviation beyond{};  ///< what runs at this slip and load fluctuate beyond the model, in log
+  bool known = false;     ///< false: nothing is known (no reference runs)
 };
 
 /// Sets the unevenness so that the twin's hub fluctuates on the reference runs as the measured one does.
 FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<const RunGrid*>& references,
                                  const std::vector<Residual>& residuals);
+
+/// What each of `runs` fluctuates beyond the model, in log: what the reference runs nearest in slip and load
+/// do.
+std::vector<LogDeviation> fluctuation_beyond(const FluctuationModel& fluctuation, const TwinConfig& model,
+                                             const std::vector<const RunGrid*>& references,
+                                             const std::vector<Residual>& residuals,
+                                             const std::vector<const RunGrid*>& runs);
+
+/// Whether one tone, the same in most runs, is most of what a channel fluctuates by: a machine hums, grains
+/// and friction do not. Returns its frequency, Hz; nothing where no channel has one.
+std::optional<double> common_tone(const std::vector<const RunGrid*>& grids,
+                                  const std::vector<Residual>& residuals);
 
 /// Whether something holds the slide by friction.
 bool sticks(const TwinConfig& model);

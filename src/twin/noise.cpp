@@ -133,13 +133,28 @@ NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::v
   return noise;
 }
 
+std::vector<double> nearness(const std::vector<const RunGrid*>& grids, const RunGrid& run) {
+  const auto log_load = [](const RunGrid& grid) { return std::log(std::max(1e-3, grid.declared.load)); };
+  std::vector<double> distance;
+  for (const RunGrid* grid : grids)
+    distance.push_back(0.5 * (std::pow((typical_slip(run) - typical_slip(*grid)) / slip_reach, 2) +
+                              std::pow((log_load(run) - log_load(*grid)) / load_reach, 2)));
+  const double nearest = distance.empty() ? 0.0 : *std::min_element(distance.begin(), distance.end());
+  std::vector<double> weights;
+  for (const double d : distance) weights.push_back(std::exp(nearest - d));
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
 std::vector<NoiseModel> noise_by_run(const NoiseModel& pooled, const std::vector<const RunGrid*>& grids,
                                      const std::vector<Residual>& residuals, const NoiseFloor& floor,
                                      const std::vector<const RunGrid*>& runs) {
   std::vector<NoiseModel> result(runs.size(), pooled);
   for (int c = 0; c < channel_rows; ++c) {
     const auto k = static_cast<std::size_t>(c);
-    std::vector<double> slip, load, log_deviation;
+    std::vector<const RunGrid*> witnesses;
+    std::vector<double> log_deviation;
     for (std::size_t g = 0; g < grids.size(); ++g) {
       std::vector<double> fluctuation;
       for (const Segment& segment : segments_of(*grids[g])) {
@@ -150,26 +165,15 @@ std::vector<NoiseModel> noise_by_run(const NoiseModel& pooled, const std::vector
         fluctuation.insert(fluctuation.end(), level_free.begin(), level_free.end());
       }
       if (fluctuation.size() < 20) continue;
-      slip.push_back(typical_slip(*grids[g]));
-      load.push_back(std::log(std::max(1e-3, grids[g]->declared.load)));
+      witnesses.push_back(grids[g]);
       log_deviation.push_back(
           std::log(std::max(floor[k], loss_by_level(pooled[k].keep) * robust_deviation(fluctuation))));
     }
-    if (log_deviation.empty()) continue;
+    if (witnesses.empty()) continue;
     for (std::size_t r = 0; r < runs.size(); ++r) {
-      const double s = typical_slip(*runs[r]), l = std::log(std::max(1e-3, runs[r]->declared.load));
-      std::vector<double> distance;
-      for (std::size_t g = 0; g < slip.size(); ++g)
-        distance.push_back(
-            0.5 * (std::pow((s - slip[g]) / slip_reach, 2) + std::pow((l - load[g]) / load_reach, 2)));
-      const double nearest = *std::min_element(distance.begin(), distance.end());
-      double sum = 0.0, weight = 0.0;
-      for (std::size_t g = 0; g < slip.size(); ++g) {
-        const double w = std::exp(nearest - distance[g]);
-        sum += w * log_deviation[g];
-        weight += w;
-      }
-      result[r][k].deviation = std::exp(sum / weight);
+      const std::vector<double> weights = nearness(witnesses, *runs[r]);
+      result[r][k].deviation =
+          std::exp(std::inner_product(weights.begin(), weights.end(), log_deviation.begin(), 0.0));
     }
   }
   return result;

@@ -40,6 +40,9 @@ std::vector<Segment> segments_of(const RunGrid& grid);
 NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::vector<Residual>& residuals,
                           const NoiseFloor& floor);
 
+/// Weight of each of `grids` (sum 1) as a witness for `run`: those nearest in slip and load count.
+std::vector<double> nearness(const std::vector<const RunGrid*>& grids, const RunGrid& run);
+
 /// Noise of each of `runs`: `pooled`, with the deviation that each channel has on those of `grids` nearest in
 /// slip and load. A wheel that digs shakes the forces more than one that rolls.
 std::vector<NoiseModel> noise_by_run(const NoiseModel& pooled, const std::vector<const RunGrid*>& grids,

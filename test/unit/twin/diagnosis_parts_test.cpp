@@ -13,6 +13,7 @@
 #include "twin/baseline.h"
 #include "twin/certify.h"
 #include "twin/fit.h"
+#include "twin/fluctuation.h"
 #include "twin/lag.h"
 #include "twin/likeliest_effect.h"
 #include "twin/noise.h"
@@ -157,6 +158,29 @@ TEST(Noise, WhitenedNoiseHasUnitVarianceWithAndWithoutAnOffset) {
     }
     // 144000 values: standard error of the mean square 0.004.
     EXPECT_NEAR(sum / count, 1.0, 0.015) << offset;
+  }
+}
+
+TEST(Fluctuation, AToneCommonToTheRunsIsTold) {
+  Random random(6);
+  for (const double hum : {0.0, 3.0}) {
+    std::vector<RunGrid> grids(5, steady_run(0.2, 42.1));
+    std::vector<Residual> residuals;
+    std::vector<const RunGrid*> runs;
+    const NoiseModel noise = rig_noise();
+    for (RunGrid& grid : grids) {
+      add_noise(grid, noise, random);
+      const double phase = random.uniform(0.0, 2.0 * M_PI);
+      for (int i = 0; i < grid.bins(); ++i)
+        grid.measured(2, i) += hum * noise[2].deviation * std::sin(2.0 * M_PI * grid.time(i) / 7.3 + phase);
+      residuals.push_back(residual_of(grid, Predicted::Zero(channel_rows, grid.bins())));
+      runs.push_back(&grid);
+    }
+    const std::optional<double> tone = common_tone(runs, residuals);
+    ASSERT_EQ(tone.has_value(), hum > 0.0);
+    if (tone) {
+      EXPECT_NEAR(*tone, 1.0 / 7.3, 0.01);
+    }
   }
 }
 

@@ -20,7 +20,7 @@ namespace {
 constexpr double width = 0.05;
 constexpr double depth = 0.06;
 constexpr double duration = 0.35;  // s: at rest after 0.25 s
-constexpr int seeds = 3;
+constexpr int seeds = 6;
 
 struct Settled {
   double height = 0.0;          // m
