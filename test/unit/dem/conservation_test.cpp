@@ -111,18 +111,8 @@ TEST(Conservation, ProjectileIsExact) {
             1e-11);
 }
 
-double total(const EnergyBook& book) {
-  return book.kinetic + book.potential + book.elastic + book.damped + book.friction - book.wall_work;
-}
-
 TEST(Conservation, EnergyBookClosesWhileClumpsFallAndSettle) {
-  WorldSettings settings;
-  settings.low = {0.0, 0.0, -0.01};
-  settings.high = {0.06, 0.06, 0.2};
-  settings.periodic_x = settings.periodic_y = true;
-  settings.time_step = 5e-6;
-  settings.smallest_size = 0.9;
-  settings.track_energy = true;
+  WorldSettings settings = booked_column();
   System system(settings, table(), {four(), lopsided()});
   system.add_wall(floor_wall());
   system.add(cloud(5, 5, 4, 0.012, 2, 9, 0.2));

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <cmath>
+#include <functional>
+#include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "dem/system.h"
 
@@ -59,6 +62,33 @@ inline WorldSettings empty_space(double side = 0.2) {
   settings.gravity.setZero();
   settings.time_step = 1e-6;
   return settings;
+}
+
+/// A column of 60 x 60 mm, periodic, over a floor at z = 0, that keeps the energy book.
+inline WorldSettings booked_column() {
+  WorldSettings settings;
+  settings.low = {0.0, 0.0, -0.01};
+  settings.high = {0.06, 0.06, 0.2};
+  settings.periodic_x = settings.periodic_y = true;
+  settings.time_step = 5e-6;
+  settings.smallest_size = 0.9;
+  settings.track_energy = true;
+  return settings;
+}
+
+/// What the energy book holds less what walls put in.
+inline double total(const EnergyBook& book) {
+  return book.kinetic + book.potential + book.elastic + book.damped + book.friction - book.wall_work;
+}
+
+/// The message of the error that `action` ends with, or "accepted".
+inline std::string message_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "accepted";
 }
 
 inline Particle at(const Eigen::Vector3d& position,

@@ -7,21 +7,6 @@
 namespace wheel_twin::dem::test {
 namespace {
 
-double total(const EnergyBook& book) {
-  return book.kinetic + book.potential + book.elastic + book.damped + book.friction - book.wall_work;
-}
-
-WorldSettings booked_box() {
-  WorldSettings settings;
-  settings.low = {0.0, 0.0, -0.01};
-  settings.high = {0.06, 0.06, 0.2};
-  settings.periodic_x = settings.periodic_y = true;
-  settings.time_step = 5e-6;
-  settings.smallest_size = 0.9;
-  settings.track_energy = true;
-  return settings;
-}
-
 MaterialTable rolling_table(double rolling) {
   MaterialTable materials = table();
   for (const std::uint32_t other : {0U, 1U}) {
@@ -45,7 +30,7 @@ double departure(System& system, int blocks) {
 
 TEST(Energy, BookClosesWithRollingFriction) {
   for (const double rolling : {0.1, 0.4}) {
-    System system(booked_box(), rolling_table(rolling), {four(), ball()});
+    System system(booked_column(), rolling_table(rolling), {four(), ball()});
     system.add_wall(floor_wall());
     system.add(cloud(5, 5, 4, 0.012, 2, 9, 0.2));
     const double worst = departure(system, 60);
@@ -57,7 +42,7 @@ TEST(Energy, BookClosesWithRollingFriction) {
 
 TEST(Energy, RollingResistanceTakesWhatABallLoses) {
   // A ball that rolls to a stop: friction has taken all of it, 7/10 m v^2.
-  WorldSettings settings = booked_box();
+  WorldSettings settings = booked_column();
   System system(settings, rolling_table(0.1), {ball()});
   system.add_wall(floor_wall());
   system.add({at({0.02, 0.02, kRadius - 1.2e-6})});
@@ -75,7 +60,7 @@ TEST(Energy, RollingResistanceTakesWhatABallLoses) {
 
 TEST(Energy, ATurningWallWorksAgainstRollingResistance) {
   // A plate that slides and turns under balls drags and rolls them: its work is in the book.
-  System system(booked_box(), rolling_table(0.2), {ball()});
+  System system(booked_column(), rolling_table(0.2), {ball()});
   const auto ground = system.add_wall(floor_wall());
   system.add(cloud(4, 4, 2, 0.0135, 1, 3, 0.05));
   system.step(30000);
@@ -92,7 +77,7 @@ TEST(Energy, ATurningWallWorksAgainstRollingResistance) {
 
 TEST(Energy, BookClosesDownASlopeAroundThePeriod) {
   // Grains flow down a slope of 50 degrees and cross the period again and again.
-  WorldSettings settings = booked_box();
+  WorldSettings settings = booked_column();
   const double slope = 50.0 * M_PI / 180.0;
   settings.gravity = {9.81 * std::sin(slope), 2.0, -9.81 * std::cos(slope)};
   System system(settings, table(0.5, 0.3, 0.3), {four(), lopsided()});
@@ -111,7 +96,7 @@ TEST(Energy, BookClosesWithCohesion) {
   PairProperties pair = materials.pair(0, 0);
   pair.cohesion_energy_density = 2e4;
   materials.set_pair(0, 0, pair);
-  System system(booked_box(), materials, {four()});
+  System system(booked_column(), materials, {four()});
   system.add_wall(floor_wall());
   system.add(cloud(5, 5, 4, 0.012, 1, 9, 0.2));
   const double worst = departure(system, 60);

@@ -6,11 +6,13 @@
 #include <functional>
 #include <limits>
 
-#include "base/error.h"
 #include "dem/cloud.h"
+#include "dem_fixture.h"
 
 namespace wheel_twin::dem {
 namespace {
+
+using test::message_of;
 
 GranularSoil balls() {
   GranularSoil soil;
@@ -19,15 +21,6 @@ GranularSoil balls() {
   soil.clumps.shares = {1.0};
   soil.clumps.smallest_size = soil.clumps.largest_size = 1.0;
   return soil;
-}
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "accepted";
 }
 
 TEST(Limits, ABedThatMakesNoSenseIsRefusedBeforeTheWorkBegins) {

@@ -121,15 +121,6 @@ TEST(System, NamesTheParticleThatLeaves) {
   }
 }
 
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(System, RefusesWhatIsNotANumber) {
   System system = box_of(4, 4, 0.2, 0.012, {ball()});
   const auto plate = system.add_wall(floor_wall(-0.005));

@@ -9,7 +9,7 @@
 #include "base/atomic_file.h"
 #include "base/error.h"
 #include "base/random.h"
-#include "rig/speeds.h"
+#include "steady_run.h"
 #include "twin/baseline.h"
 #include "twin/certify.h"
 #include "twin/fit.h"
@@ -23,35 +23,6 @@ namespace wheel_twin::twin {
 namespace {
 
 using testing::HasSubstr;
-
-/// A run of `n` bins of half a second at one slip and load that stands still for its first ten bins.
-RunGrid steady_run(double slip, double load, int n = 120) {
-  RunGrid grid;
-  grid.name = "run";
-  grid.declared.slip = slip;
-  grid.declared.load = load;
-  grid.declared.wheel_speed = 0.2859;
-  grid.bin = 0.5;
-  grid.measured.setZero(channel_rows, n);
-  grid.slip.setConstant(n, slip);
-  const rig::Speeds speeds = rig::speeds_of_slip(slip, 0.2859, 0.09);
-  double x = 0.0, angle = 0.0;
-  for (int i = 0; i < n; ++i) {
-    const bool moves = i >= 10;
-    rig::MeasuredMotion m;
-    m.time = (i + 0.5) * grid.bin;
-    m.carriage_velocity = moves ? speeds.carriage : 0.0;
-    m.wheel_rate = moves ? speeds.wheel : 0.0;
-    x += m.carriage_velocity * grid.bin;
-    angle += m.wheel_rate * grid.bin;
-    m.carriage_position = x;
-    m.wheel_angle = angle;
-    m.load = load;
-    grid.motion.push_back(m);
-    grid.moving.push_back(moves);
-  }
-  return grid;
-}
 
 TwinConfig some_twin() {
   TwinConfig twin;

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "effects/catalogue.h"
-#include "rig/speeds.h"
+#include "steady_run.h"
 #include "twin/simulate.h"
 
 namespace wheel_twin::twin {
@@ -42,31 +42,10 @@ class Recording : public testing::Test {
     runs.clear();
     Random random(3);
     for (const double slip : {0.0, 0.15, 0.3, 0.45, 0.6}) {
-      RunGrid grid;
-      grid.name = "run_" + std::to_string(grids.size());
-      grid.declared.slip = slip;
-      grid.declared.load = 42.1;
-      grid.declared.wheel_speed = 0.2859;
-      grid.bin = 0.5;
       constexpr int n = 80;
-      const rig::Speeds speeds = rig::speeds_of_slip(slip, 0.2859, rig.wheel.radius);
-      double x = 0.0, angle = 0.0;
-      for (int i = 0; i < n; ++i) {
-        const bool moves = i >= 10;
-        rig::MeasuredMotion m;
-        m.time = (i + 0.5) * grid.bin;
-        m.carriage_velocity = moves ? speeds.carriage : 0.0;
-        m.wheel_rate = moves ? speeds.wheel : 0.0;
-        x += m.carriage_velocity * grid.bin;
-        angle += m.wheel_rate * grid.bin;
-        m.carriage_position = x;
-        m.wheel_angle = angle;
-        m.load = 42.1;
-        grid.motion.push_back(m);
-        grid.moving.push_back(moves);
-      }
+      RunGrid grid = steady_run(slip, 42.1, n, rig.wheel.radius);
+      grid.name = "run_" + std::to_string(grids.size());
       set_slip(grid, rig.wheel.radius);
-      grid.measured.setZero(channel_rows, n);
       grid.measured = simulate(rig, grid);
       for (int i = 0; i < n; ++i) {
         for (int c = 0; c < 3; ++c) grid.measured(c, i) += 0.05 * random.normal();
