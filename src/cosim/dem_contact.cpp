@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "base/error.h"
@@ -18,7 +19,9 @@ DemSoilSettings bed_settings(const DemSettings& s, int threads, bool track_energ
   settings.rig_step = rig_step;
   settings.headroom = s.headroom;
   settings.threads = threads;
+  settings.step_fraction = s.step_fraction;
   settings.sleep = s.sleep;
+  settings.window = s.window;
   settings.track_energy = track_energy;
   return settings;
 }
@@ -35,6 +38,11 @@ DemSoil soil_under(const wheel::WheelModel& model, const dem::GranularSoil& soil
         "dem settings '{}': a bed of {} x {} m is too small for wheel '{}', {:.3f} m in diameter and {} m "
         "wide",
         settings.name, settings.bed.length, settings.bed.width, model.name, 2.0 * reach, model.width));
+  if (settings.window && std::min(settings.window->behind, settings.window->ahead) < reach)
+    throw Error(
+        fmt::format("dem settings '{}': a window of {} m behind and {} m ahead of the hub is too small for "
+                    "wheel '{}', {:.3f} m in radius",
+                    settings.name, settings.window->behind, settings.window->ahead, model.name, reach));
   if (!settings.bed.periodic_x &&
       (settings.start_x < reach || settings.start_x + reach > settings.bed.length))
     throw Error(fmt::format("dem settings '{}': a wheel at start_x {} m stands in a wall of the bed",

@@ -28,6 +28,11 @@ DemSettings read_dem_settings(const yaml::Map& map) {
     s.sleep.time = sleep.number("time", yaml::positive());
     sleep.finish();
   }
+  if (map.has("window")) {
+    const yaml::Map window = map.map("window");
+    s.window = BedWindow{window.number("behind", yaml::positive()), window.number("ahead", yaml::positive())};
+    window.finish();
+  }
   const yaml::Map profile = map.map("profile");
   s.profile.lowering_speed = profile.number("lowering_speed", {0.001, 1.0});
   s.profile.dwell = profile.number("dwell", yaml::non_negative());
@@ -45,7 +50,6 @@ DemSettings load_dem_settings(const std::string& name) {
 }
 
 dem::GranularSoil scaled_soil(dem::GranularSoil soil, const DemSettings& settings) {
-  if (settings.step_fraction) soil.step_fraction = *settings.step_fraction;
   if (settings.grain_scale == 1.0) return soil;
   for (dem::ClumpTemplate& shape : soil.clumps.shapes) {
     std::vector<dem::ClumpSphere> spheres = shape.spheres;

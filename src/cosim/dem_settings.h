@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/yaml.h"
+#include "cosim/dem_soil.h"
 #include "dem/bed.h"
 #include "dem/granular_soil.h"
 #include "rig/profile.h"
@@ -20,12 +21,14 @@ struct DemSettings {
   double start_x = 0.12;                ///< place of the hub in the bed at the start, m
   double headroom = 0.3;                ///< of the domain above the bed, m
   dem::SleepSettings sleep;             ///< of the bed's still parts
+  std::optional<BedWindow> window;      ///< of the bed that moves; none: the whole bed
   rig::RunProfile profile;  ///< course of a run; its clearance is replaced by the bed's own first touch
 };
 
 /// Keys: name, bed {length, width, depth, periodic, fill_friction (optional)}, grain_scale, step_fraction
-/// (optional), start_x, headroom, sleep {speed, force, time} (optional: without it nothing sleeps), profile
-/// {lowering_speed, dwell, ramp, duration, rest}. Throws Error naming file, line and key.
+/// (optional), start_x, headroom, sleep {speed, force, time} (optional: without it nothing sleeps),
+/// window {behind, ahead} (optional), profile {lowering_speed, dwell, ramp, duration, rest}. Throws Error
+/// naming file, line and key.
 DemSettings read_dem_settings(const yaml::Map& map);
 
 /// A file in config/dem, by name or path.

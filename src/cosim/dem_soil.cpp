@@ -24,8 +24,12 @@ dem::System make_system(const dem::GranularSoil& soil, const dem::Bed& bed, cons
   world.particle_materials = changed.grain_materials;
   world.track_energy = settings.track_energy;
   world.sleep = settings.sleep;
+  if (settings.window && !world.sleep.enabled) {
+    world.sleep.enabled = true;
+    world.sleep.speed = 0.0;
+  }
   world.gravity = bed_from_rig * world.gravity;
-  const double longest = soil.step_fraction * plain.rayleigh_step();
+  const double longest = settings.step_fraction.value_or(soil.step_fraction) * plain.rayleigh_step();
   world.time_step = settings.rig_step / std::ceil(settings.rig_step / longest);
   dem::System system(world, changed.materials, plain.templates());
   system.restore(changed.state);
@@ -51,6 +55,7 @@ DemSoil::DemSoil(const dem::GranularSoil& soil, const dem::Bed& bed, const Chang
                  const std::vector<wheel::SegmentShape>& wheel, const DemSoilSettings& settings)
     : bed_from_rig_(turn_about_y(changed.slope)),
       start_x_(settings.start_x),
+      window_(settings.window),
       good_until_(changed.good_until),
       system_(make_system(soil, bed, changed, settings, bed_from_rig_)) {
   if (changed.changed) {
@@ -93,6 +98,9 @@ const std::vector<wheel::Wrench>& DemSoil::advance(std::int64_t /*step*/,
                     "start: make the run shorter or the "
                     "bed longer",
                     good_until_));
+  if (window_)
+    system_.hold_beyond(start_x_ + hub + 0.5 * (window_->ahead - window_->behind),
+                        0.5 * (window_->ahead + window_->behind));
   const Eigen::Quaterniond turn(bed_from_rig_);
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const wheel::SegmentState& segment = segments[i];
@@ -128,7 +136,8 @@ double DemSoil::first_touch(double x, double radius, double width) const {
 }
 
 std::string DemSoil::fingerprint() const {
-  return dem::system_fingerprint(system_);
+  const std::string system = dem::system_fingerprint(system_);
+  return window_ ? fmt::format("{} window {:.17g} {:.17g}", system, window_->behind, window_->ahead) : system;
 }
 
 }  // namespace wheel_twin::cosim

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,22 @@ namespace wheel_twin::cosim {
 
 struct ChangedBed;
 
+/// The part of a bed that moves with the wheel: what lies farther behind the hub or ahead of it is held
+/// still.
+struct BedWindow {
+  double behind = 0.0;  ///< m
+  double ahead = 0.0;   ///< m
+};
+
 struct DemSoilSettings {
   double start_x = 0.12;    ///< place of the rig's x = 0 in the bed, m
   double rig_step = 0.001;  ///< s, of which the soil's step is a whole fraction
   double headroom = 0.3;    ///< of the domain above the surface, m
   int threads = 1;
-  dem::SleepSettings sleep;   ///< of the bed's still parts
-  bool track_energy = false;  ///< the engine's energy book; slower
+  std::optional<double> step_fraction;  ///< of the Rayleigh time; none: the soil's
+  dem::SleepSettings sleep;             ///< of the bed's still parts
+  std::optional<BedWindow> window;      ///< none: the whole bed moves
+  bool track_energy = false;            ///< the engine's energy book; slower
 };
 
 class DemSoil final : public SoilSide {
@@ -56,6 +66,7 @@ class DemSoil final : public SoilSide {
 
   Eigen::Matrix3d bed_from_rig_;
   double start_x_ = 0.0;
+  std::optional<BedWindow> window_;
   double good_until_ = 0.0;
   dem::System system_;
   std::uint32_t first_wall_ = 0;

@@ -175,6 +175,7 @@ void store(const State& state, Archive& archive) {
     archive.set("asleep", std::vector<std::uint32_t>(state.asleep.begin(), state.asleep.end()));
     archive.set("quiet", state.quiet);
     put_vectors(archive, "looked_at", state.looked_at);
+    if (!state.hold.empty()) archive.set("hold", state.hold);
   }
 }
 
@@ -201,6 +202,7 @@ State load_state(const Archive& archive) {
     state.asleep.assign(asleep.begin(), asleep.end());
     state.quiet = archive.get<std::uint32_t>("quiet");
     state.looked_at = get_vectors<Eigen::Vector3d>(archive, "looked_at");
+    if (archive.has("hold")) state.hold = archive.get<double>("hold");
   }
   return state;
 }

@@ -110,6 +110,12 @@ void System::set_pair(std::uint32_t material_a, std::uint32_t material_b, const 
     s.stale = true;
   }
 }
+void System::hold_beyond(double middle, double half_length) {
+  if (!impl_->settings.sleep.enabled) throw Error("world: a window needs sleep, which is not enabled");
+  if (!std::isfinite(middle) || !(half_length > 0.0))
+    throw Error(fmt::format("world: a window of {} m around {} m", half_length, middle));
+  impl_->hold_beyond(middle, half_length);
+}
 void System::set_gravity(const Eigen::Vector3d& gravity) {
   if (!gravity.allFinite()) throw Error("world: gravity is not finite");
   impl_->wake_all();

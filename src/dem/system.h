@@ -25,7 +25,8 @@ namespace wheel_twin::dem {
 /// Parts of a bed at rest cost next to nothing: see system_sleep.cpp for the rule.
 struct SleepSettings {
   bool enabled = false;
-  /// m/s; a particle is quiet when its centre has not moved faster, on the mean of half of `time`.
+  /// m/s; a particle is quiet when its centre has not moved faster, on the mean of half of `time`. 0: nothing
+  /// falls asleep but what hold_beyond() puts to sleep.
   double speed = 2e-4;
   /// A sleeper wakes when its unbalanced force passes this fraction of what presses on it.
   double force = 0.3;
@@ -107,7 +108,8 @@ struct State {
   std::vector<std::uint8_t> asleep;  ///< per particle; empty: all awake
   std::vector<std::uint32_t> quiet;  ///< per cell of the sleeping rule
   std::vector<Eigen::Vector3d>
-      looked_at;  ///< per particle: where it was at the last look of the sleeping rule
+      looked_at;             ///< per particle: where it was at the last look of the sleeping rule
+  std::vector<double> hold;  ///< middle and half length of hold_beyond(), m; empty: nothing is held
 };
 
 /// Energy book, J. Kept from the start of the run when `track_energy`; kinetic and potential always.
@@ -175,6 +177,12 @@ class System {
   const WorldSettings& settings() const;
   const MaterialTable& materials() const;
   const std::vector<ClumpTemplate>& templates() const;
+
+  /// A window that moves: from the next step on particles farther than `half_length` from `middle` along x
+  /// (around the period) are held where they are, those nearer than that move. Cells of the sleeping rule
+  /// change as a whole, and only when `middle` has moved by half of one. Throws Error unless sleep is
+  /// enabled.
+  void hold_beyond(double middle, double half_length);
 
   /// Changes that take effect at the next step.
   void set_pair(std::uint32_t material_a, std::uint32_t material_b, const PairProperties& properties);

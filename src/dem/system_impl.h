@@ -94,6 +94,10 @@ struct System::Impl {
   PairList dormant_list(const std::vector<std::uint32_t>& place_of) const;
   void set_asleep(std::size_t body, bool asleep);
   void wake_pressed();
+  void hold_beyond(double middle, double half_length);
+  void mark_held();
+  void apply_cells();
+  double way_around(double way) const;
   std::size_t cell_of(std::size_t body) const;
   bool loud_nearby(std::size_t cell) const;
 
@@ -175,6 +179,8 @@ struct System::Impl {
   double cell_size = 0.0;
   std::vector<std::uint32_t> quiet;        ///< looks that found a cell quiet; kAsleep: it sleeps
   std::vector<std::uint8_t> loud;          ///< per cell, of the last check
+  std::vector<std::uint8_t> held;          ///< per cell: asleep whatever happens
+  std::vector<double> hold;                ///< State::hold
   std::vector<Eigen::Vector3d> looked_at;  ///< per particle number: place at the last look, m
   std::vector<LoadRow> frozen;             ///< per particle number: loads by contacts of sleeping bodies
   std::vector<ContactHistory> dormant;

@@ -4,6 +4,7 @@
 // as waves pass is quiet, one that rolls is not. A cell wakes at a look that finds a cell beside it loud, and
 // between looks (every 32 steps) when the force on one of its particles has changed, when a wall moves
 // nearby, or when an awake particle enters it. All from numbers that depend neither on threads nor on lists.
+// A window (hold_beyond) holds whole slabs of cells asleep, whatever happens in them.
 #include <algorithm>
 #include <cmath>
 
@@ -29,6 +30,8 @@ void System::Impl::prepare_cells() {
   if (!settings.sleep.enabled) count = 0;
   quiet.assign(count, 0U);
   loud.assign(count, 0U);
+  held.assign(count, 0U);
+  hold.clear();
 }
 
 std::size_t System::Impl::cell_of(std::size_t b) const {
@@ -68,7 +71,7 @@ bool System::Impl::loud_nearby(std::size_t cell) const {
 }
 
 void System::Impl::check_sleep() {
-  if (step % kCheck != 0) return;
+  if (step % kCheck != 0 || settings.sleep.speed == 0.0) return;
   const SleepSettings& rule = settings.sleep;
   const std::int64_t checks = std::max(
       std::int64_t{1}, static_cast<std::int64_t>(std::llround(0.5 * rule.time / (kCheck * time_step))));
@@ -119,6 +122,7 @@ void System::Impl::check_sleep() {
   for (std::size_t cell = 0; cell < quiet.size(); ++cell) {
     std::uint32_t& count = quiet[cell];
     if (count == kAsleep) {
+      if (held[cell] != 0) continue;
       if (pushed[cell] == 0 && !near_wall[cell] && (loud[cell] & kAwakeInside) == 0 &&
           !(looks && loud_nearby(cell)))
         continue;
@@ -133,12 +137,45 @@ void System::Impl::check_sleep() {
       changed = true;
     }
   }
-  if (!changed) return;
+  if (changed) apply_cells();
+}
+
+double System::Impl::way_around(double way) const {
+  return way - period.length[0] * std::round(way * period.inverse[0]);
+}
+
+/// Every particle sleeps or wakes as its cell does.
+void System::Impl::apply_cells() {
   for (std::size_t b = 0; b < bodies.count; ++b) {
     const std::uint8_t sleeps = quiet[cell_of(b)] == kAsleep ? 1 : 0;
     if (sleeps != bodies.asleep[b]) set_asleep(b, sleeps != 0);
   }
   regroup = true;
+}
+
+void System::Impl::hold_beyond(double middle, double half_length) {
+  const double width = (period.high[0] - period.low[0]) / cells[0];
+  if (!hold.empty() && hold[1] == half_length && std::abs(way_around(middle - hold[0])) < 0.5 * width) return;
+  hold = {middle, half_length};
+  const std::vector<std::uint8_t> before = held;
+  mark_held();
+  if (held == before) return;
+  for (std::size_t cell = 0; cell < quiet.size(); ++cell) {
+    if (held[cell] != 0) quiet[cell] = kAsleep;
+    if (held[cell] == 0 && before[cell] != 0) quiet[cell] = 0;
+  }
+  apply_cells();
+}
+
+void System::Impl::mark_held() {
+  held.assign(quiet.size(), 0U);
+  if (hold.empty()) return;
+  const double width = (period.high[0] - period.low[0]) / cells[0];
+  const std::size_t slab = quiet.size() / static_cast<std::size_t>(cells[0]);
+  for (std::size_t cell = 0; cell < quiet.size(); ++cell) {
+    const double center = period.low[0] + (static_cast<double>(cell / slab) + 0.5) * width;
+    held[cell] = std::abs(way_around(center - hold[0])) > hold[1] ? 1 : 0;
+  }
 }
 
 void System::Impl::set_asleep(std::size_t b, bool asleep) {
@@ -156,7 +193,7 @@ void System::Impl::wake_pressed() {
   for (std::size_t t = stale ? 0 : team->size(); t < walls.threads(); ++t) {
     for (const auto& touch : walls.touches(t)) {
       const std::uint32_t b = spheres.body[touch.sphere];
-      if (bodies.asleep[b] == 0 || !walls.parts()[touch.part].moves()) continue;
+      if (bodies.asleep[b] == 0 || held[cell_of(b)] != 0 || !walls.parts()[touch.part].moves()) continue;
       quiet[cell_of(b)] = 0;
       pressed = true;
     }
@@ -170,10 +207,10 @@ void System::Impl::wake_pressed() {
 
 void System::Impl::wake_all() {
   if (!settings.sleep.enabled) return;
-  std::fill(quiet.begin(), quiet.end(), 0U);
+  for (std::size_t cell = 0; cell < quiet.size(); ++cell) quiet[cell] = held[cell] != 0 ? kAsleep : 0;
   looked_at.clear();
   for (std::size_t b = 0; b < bodies.count; ++b) {
-    if (bodies.asleep[b] == 0) continue;
+    if (bodies.asleep[b] == 0 || held[cell_of(b)] != 0) continue;
     set_asleep(b, false);
     regroup = true;
   }

@@ -36,6 +36,7 @@ State System::state() const {
     for (const auto b : s.index_of_rank) state.asleep.push_back(bodies.asleep[b]);
     state.quiet = s.quiet;
     state.looked_at = s.looked_at;
+    state.hold = s.hold;
   }
   state.contacts = s.stale ? s.pending : s.collect_histories();
   for (std::size_t t = 0; t < s.walls.threads(); ++t) {
@@ -67,7 +68,8 @@ void System::restore(const State& state) {
       state.position.size() != n || state.velocity.size() != n || state.angular_momentum.size() != n ||
       state.orientation.size() != n || state.load.size() != n ||
       state.wall_removed.size() != state.walls.size() ||
-      (!state.asleep.empty() && state.asleep.size() != n)) {
+      (!state.asleep.empty() && state.asleep.size() != n) ||
+      (!state.hold.empty() && state.hold.size() != 2)) {
     refuse("its columns differ in length");
   }
   std::size_t sphere_count = 0;
@@ -134,10 +136,13 @@ void System::restore(const State& state) {
   if (sleeps) {
     s.quiet = state.quiet;
     s.looked_at = state.looked_at;
+    s.hold = state.hold;
   } else {
     std::fill(s.quiet.begin(), s.quiet.end(), 0U);
     s.looked_at.clear();
+    s.hold.clear();
   }
+  s.mark_held();
   s.dormant.clear();
   s.awake_end = n;
   s.renumber();
@@ -209,37 +214,37 @@ std::vector<ContactForce> System::contacts() const {
 
 std::size_t System::Impl::memory() const {
   std::size_t sum = walls.bytes();
-  const auto held = [&](const auto& column) { sum += column.capacity() * sizeof(column[0]); };
+  const auto add = [&](const auto& column) { sum += column.capacity() * sizeof(column[0]); };
   for (int a = 0; a < 3; ++a) {
-    held(bodies.x[a]);
-    held(bodies.v[a]);
-    held(bodies.l[a]);
-    held(bodies.inverse_inertia[a]);
+    add(bodies.x[a]);
+    add(bodies.v[a]);
+    add(bodies.l[a]);
+    add(bodies.inverse_inertia[a]);
   }
-  for (const auto& column : bodies.q) held(column);
-  held(bodies.inverse_mass);
+  for (const auto& column : bodies.q) add(column);
+  add(bodies.inverse_mass);
   for (const auto* column : {&bodies.size, &bodies.stiffness, &bodies.slack, &bodies.reserve, &bodies.reach})
-    held(*column);
-  held(bodies.rank);
-  held(bodies.first);
-  held(bodies.shape);
-  held(bodies.material);
-  held(bodies.asleep);
-  held(frozen);
-  held(dormant);
-  held(bodies.load);
-  held(spheres.row);
-  held(spheres.body);
-  held(index_of_rank);
-  held(first_sphere_of_rank);
-  for (const auto& part : outer.i) held(part);
-  for (const auto& part : outer.j) held(part);
+    add(*column);
+  add(bodies.rank);
+  add(bodies.first);
+  add(bodies.shape);
+  add(bodies.material);
+  add(bodies.asleep);
+  add(frozen);
+  add(dormant);
+  add(bodies.load);
+  add(spheres.row);
+  add(spheres.body);
+  add(index_of_rank);
+  add(first_sphere_of_rank);
+  for (const auto& part : outer.i) add(part);
+  for (const auto& part : outer.j) add(part);
   for (const auto& list : lists) {
-    held(list.i);
-    held(list.j);
-    held(list.source);
-    held(list.law);
-    for (const auto& column : list.columns) held(column);
+    add(list.i);
+    add(list.j);
+    add(list.source);
+    add(list.law);
+    for (const auto& column : list.columns) add(column);
   }
   return sum;
 }

@@ -11,7 +11,7 @@ namespace {
 constexpr int kSide = 10;
 constexpr double kSpacing = 0.0115;
 
-System box(bool sleeps, int threads = 1, bool book = false) {
+System box(bool sleeps, int threads = 1, bool book = false, double speed = SleepSettings{}.speed) {
   WorldSettings settings;
   settings.low = {0.0, 0.0, -0.01};
   settings.high = {kSide * kSpacing, kSide * kSpacing, 0.2};
@@ -22,6 +22,7 @@ System box(bool sleeps, int threads = 1, bool book = false) {
   settings.track_energy = book;
   settings.sleep.enabled = sleeps;
   settings.sleep.time = 0.01;
+  settings.sleep.speed = speed;
   System system(settings, table(), {four(), lopsided()});
   system.add_wall(floor_wall());
   return system;
@@ -181,6 +182,116 @@ TEST(Sleep, TheEnergyBookStaysClosed) {
   const double work = system.energy().wall_work - start;
   EXPECT_GT(work, 1e-4);
   EXPECT_NEAR(total(), before, 1e-3 * work);
+}
+
+constexpr double kMiddle = 0.5 * kSide * kSpacing;
+
+/// The settled bed in which nothing falls asleep by itself.
+System windowed(int threads = 1, bool book = false) {
+  System system = box(true, threads, book, 0.0);
+  system.restore(settled());
+  return system;
+}
+
+/// A plate pressed in around the middle while the window moves on by 20 mm and back across the period's end.
+void press(System& system, std::int64_t steps) {
+  for (std::int64_t k = 0; k < steps; ++k) {
+    const double phase = static_cast<double>(system.step_number() - settled().step) / 2000.0;
+    system.hold_beyond(kMiddle + 0.02 * std::sin(M_PI * phase), 0.03);
+    system.step();
+  }
+}
+
+TEST(Window, HoldsWhatLiesOutsideAndLetsTheRestMove) {
+  System system = windowed();
+  system.hold_beyond(kMiddle, 0.03);
+  add_plate(system, 0.05);
+  system.step(4000);
+  const auto before = settled().position;
+  const auto after = system.particles();
+  std::size_t still = 0;
+  double farthest = 0.0;
+  for (std::size_t k = 0; k < after.size(); ++k) {
+    const double way = (after[k].position - before[k]).norm();
+    const double from_middle = std::abs(before[k].x() - kMiddle);
+    if (from_middle > 0.03 + 0.01) {  // a cell may reach over the edge by half of its 9 mm
+      EXPECT_EQ(way, 0.0) << "particle " << k;
+      ++still;
+    }
+    if (from_middle < 0.02) farthest = std::max(farthest, way);
+  }
+  EXPECT_GT(still, after.size() / 5);
+  EXPECT_GE(system.statistics().sleeping, still);
+  EXPECT_GT(farthest, 1e-3);
+}
+
+TEST(Window, APlateFeelsTheSameWithAndWithout) {
+  constexpr int kPlaces = 5;
+  double mean[2] = {};
+  double variance[2] = {};
+  for (const bool holds : {false, true}) {
+    std::vector<double> forces;
+    for (int place = 0; place < kPlaces; ++place) {
+      System system = windowed();
+      if (holds) system.hold_beyond(kMiddle + 0.023 * place, 0.045);
+      const std::uint32_t plate = add_plate(system, 0.05, 0.023 * place);
+      system.step(3000);
+      double sum = 0.0;
+      for (int k = 0; k < 100; ++k) {
+        system.step(10);
+        sum += system.wall_wrench(plate).force.z() / 100.0;
+      }
+      forces.push_back(sum);
+    }
+    for (const double f : forces) mean[holds ? 1 : 0] += f / kPlaces;
+    for (const double f : forces)
+      variance[holds ? 1 : 0] += std::pow(f - mean[holds ? 1 : 0], 2) / (kPlaces - 1);
+  }
+  EXPECT_NEAR(mean[1], mean[0], 2.31 * std::sqrt((variance[0] + variance[1]) / kPlaces))
+      << "scatter " << std::sqrt(variance[0]) << " and " << std::sqrt(variance[1]);
+}
+
+TEST(Window, SameBitsForAnyNumberOfThreadsAndAfterARestart) {
+  std::vector<State> ends;
+  for (const int threads : {1, 2, 0}) {
+    System system = windowed(std::max(threads, 1));
+    add_plate(system, 0.05);
+    press(system, 2500);
+    if (threads == 0) {
+      System again = box(true, 2, false, 0.0);
+      again.restore(system.state());
+      press(again, 1000);
+      ends.push_back(again.state());
+    } else {
+      press(system, 1000);
+      ends.push_back(system.state());
+    }
+  }
+  for (std::size_t other : {1U, 2U}) {
+    EXPECT_EQ(ends[0].hold, ends[other].hold);
+    EXPECT_EQ(ends[0].asleep, ends[other].asleep);
+    EXPECT_EQ(ends[0].position, ends[other].position);
+    EXPECT_EQ(ends[0].velocity, ends[other].velocity);
+  }
+}
+
+TEST(Window, TheEnergyBookStaysClosed) {
+  System system = windowed(1, true);
+  system.step(1);
+  const auto total = [&] { return dem::test::total(system.energy()); };
+  const double before = total();
+  add_plate(system, 0.1);
+  press(system, 8000);
+  EXPECT_GT(system.energy().wall_work, 1e-4);
+  EXPECT_NEAR(total(), before, 1e-3 * system.energy().wall_work);
+}
+
+TEST(Window, NeedsSleepAndALength) {
+  System awake = box(false);
+  EXPECT_THROW(awake.hold_beyond(0.05, 0.03), Error);
+  System system = windowed();
+  EXPECT_THROW(system.hold_beyond(0.05, 0.0), Error);
+  EXPECT_THROW(system.hold_beyond(std::nan(""), 0.03), Error);
 }
 
 }  // namespace
