@@ -16,7 +16,8 @@ std::string cache_folder();
 std::string cache_path(const std::string& kind, const std::string& description);
 
 /// Reads the file when it is there and good; else calls `make` and keeps what it returns. A damaged file or
-/// one of another version is made anew, with one line on standard error that says so.
+/// one of another version is made anew, with one line on standard error that says so. Of several callers at
+/// once, in any processes, one makes it and the others wait.
 Archive fetch(const std::string& kind, const std::string& description, const std::function<Archive()>& make);
 
 }  // namespace wheel_twin::dem

@@ -1,6 +1,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "dem/contact_kernel.cpp"
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL)
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -74,6 +75,8 @@ HWY_INLINE void StoreTrace(float* trace, std::size_t stride, std::size_t at, con
   for (int k = 0; k < Trace::kColumns; ++k) hn::StoreU(columns[k], df, trace + k * stride + at);
 }
 
+constexpr std::size_t kAhead = 80;  ///< pairs: what lies so far ahead is asked from memory
+
 template <bool kRolling, bool kCohesion, bool kManyLaws>
 ContactResult EvaluatePairsOf(const ContactTask& task, std::size_t begin, std::size_t end) {
   const D d;
@@ -103,6 +106,14 @@ ContactResult EvaluatePairsOf(const ContactTask& task, std::size_t begin, std::s
   for (std::size_t at = begin; at < end; at += lanes) {
     const std::uint32_t* i = pairs.i.data() + at;
     const std::uint32_t* j = pairs.j.data() + at;
+    if (at + kAhead + lanes <= end) {
+      for (std::size_t k = kAhead; k < kAhead + lanes; ++k) {
+        hwy::Prefetch(rows + i[k]);
+        hwy::Prefetch(rows + j[k]);
+        hwy::Prefetch(loads + body[i[k - kAhead / 2]]);
+        hwy::Prefetch(loads + body[j[k - kAhead / 2]]);
+      }
+    }
     const SphereLanes a = LoadSpheres(rows, i);
     const SphereLanes b = LoadSpheres(rows, j);
     Vector3<VD> between = Minus(a.x, b.x);

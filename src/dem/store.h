@@ -8,10 +8,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <vector>
 
 namespace wheel_twin::dem {
+
+/// Memory on cache lines; large blocks on pages of 2 MB, where the system has them. Freed by release().
+void* take(std::size_t bytes);
+void release(void* block, std::size_t bytes);
 
 /// Memory on cache lines.
 template <typename T>
@@ -20,8 +23,8 @@ struct CacheAligned {
   CacheAligned() = default;
   template <typename U>
   CacheAligned(const CacheAligned<U>&) {}
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new (n * sizeof(T), std::align_val_t{64})); }
-  void deallocate(T* p, std::size_t) { ::operator delete (p, std::align_val_t{64}); }
+  T* allocate(std::size_t n) { return static_cast<T*>(take(n * sizeof(T))); }
+  void deallocate(T* p, std::size_t n) { release(p, n * sizeof(T)); }
   template <typename U>
   bool operator==(const CacheAligned<U>&) const {
     return true;

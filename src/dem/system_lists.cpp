@@ -1,3 +1,5 @@
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -94,6 +96,7 @@ void System::Impl::build_inner(std::size_t part) {
   const auto& outer_i = outer.i[part];
   const auto& outer_j = outer.j[part];
   constexpr std::uint32_t kNew = 0xffffffffU;
+  constexpr std::uint32_t ahead = 16;
   const std::size_t guess = list.size + list.size / 16 + 64;
   Column<std::uint32_t> next_i;
   Column<std::uint32_t> next_j;
@@ -105,6 +108,10 @@ void System::Impl::build_inner(std::size_t part) {
   from.reserve(guess);
   std::size_t old = 0;
   for (std::uint32_t k = 0; k < outer_i.size(); ++k) {
+    if (k + ahead < outer_i.size()) {
+      hwy::Prefetch(spheres.row.data() + outer_i[k + ahead]);
+      hwy::Prefetch(spheres.row.data() + outer_j[k + ahead]);
+    }
     const SphereRow& a = spheres.row[outer_i[k]];
     const SphereRow& b = spheres.row[outer_j[k]];
     double dx = a.x[0] - b.x[0];

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -334,10 +336,15 @@ void WallSet::collect(std::size_t t, const Spheres& spheres, const Period& perio
   thread.point.clear();
   std::vector<Found> found;
   std::vector<bool> passed_on;
-  std::vector<const Candidate*> chosen;
-  std::vector<ClosestPoint> where;
+  auto& chosen = thread.chosen;
+  auto& where = thread.where;
+  chosen.clear();
+  where.clear();
   std::size_t old = 0;
+  constexpr std::size_t ahead = 8;
   for (std::size_t begin = 0; begin < thread.inner.size();) {
+    if (begin + ahead < thread.inner.size())
+      hwy::Prefetch(spheres.row.data() + thread.inner[begin + ahead].sphere);
     const std::uint32_t sphere = thread.inner[begin].sphere;
     const std::uint32_t surface = thread.inner[begin].surface;
     std::size_t end = begin + 1;

@@ -94,6 +94,9 @@ class WallSet {
     Column<float> trace;
     std::vector<double> wrench;  ///< 6 a part: force, torque
     std::vector<Eigen::Vector3d> point;
+    // Of the touched faces, one entry each; kept from step to step for their memory.
+    std::vector<const Candidate*> chosen;
+    std::vector<ClosestPoint> where;
   };
   struct Found;
   void resolve(Thread& thread, std::size_t begin, std::size_t end, const Spheres& spheres,

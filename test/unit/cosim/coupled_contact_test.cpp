@@ -95,6 +95,43 @@ TEST(CoupledContact, ARestartGivesTheSameBits) {
   expect_same_bits(reference(), outcome_of(second));
 }
 
+SmallRun windowed() {
+  return SmallRun(1, false, test::small_wheel(), {}, BedWindow{0.05, 0.05});
+}
+
+TEST(CoupledContact, AWindowHoldsTheRestAndCarriesTheSame) {
+  SmallRun run = windowed();
+  const dem::State before = run.dem.state();
+  const Outcome outcome = outcome_of(run);
+  std::size_t still = 0;
+  for (std::size_t k = 0; k < before.position.size(); ++k) {
+    if (before.position[k] == outcome.soil.position[k]) ++still;
+  }
+  EXPECT_GT(still, before.position.size() / 10);
+  EXPECT_LT(still, before.position.size() / 2);
+  EXPECT_NEAR(outcome.summary.normal_load, 4.0, 0.6);  // as without, above
+  EXPECT_GT(outcome.summary.drive_torque, 0.0);
+}
+
+TEST(CoupledContact, ARestartInAWindowGivesTheSameBits) {
+  SmallRun whole = windowed();
+  const Outcome reference = outcome_of(whole);
+  CouplingState halfway;
+  dem::State soil;
+  {
+    SmallRun first = windowed();
+    rig::FreeRun run(first.settings, first.contact, first.ports);
+    for (int i = 0; i < 300; ++i) run.advance();
+    halfway = first.contact.state();
+    soil = first.dem.state();
+  }
+  SmallRun second = windowed();
+  second.dem.restore(soil);
+  second.contact.resume(halfway);
+  expect_same_bits(reference, outcome_of(second));
+  EXPECT_NE(second.dem.fingerprint(), SmallRun().dem.fingerprint());
+}
+
 // The height at which a run starts comes from the bed as it was made, not from the rut of the restored one.
 TEST(DemContact, ACheckpointFileGivesTheSameBits) {
   const std::filesystem::path folder =

@@ -64,8 +64,9 @@ struct SmallRun {
   rig::RunSettings settings;
 
   explicit SmallRun(int threads = 1, bool track_energy = false,
-                    const wheel::WheelModel& model = small_wheel(), rig::Ports acting = {})
-      : dem(soil(), small_bed(), shapes_of(model), soil_settings(threads, track_energy), acting.soil),
+                    const wheel::WheelModel& model = small_wheel(), rig::Ports acting = {},
+                    std::optional<BedWindow> window = {})
+      : dem(soil(), small_bed(), shapes_of(model), soil_settings(threads, track_energy, window), acting.soil),
         contact(model, dem, acting),
         ports(std::move(acting)) {
     settings.radius = contact.radius();
@@ -83,12 +84,13 @@ struct SmallRun {
     settings.profile.rest = 0.0;
   }
 
-  static DemSoilSettings soil_settings(int threads, bool track_energy) {
+  static DemSoilSettings soil_settings(int threads, bool track_energy, std::optional<BedWindow> window = {}) {
     DemSoilSettings settings;
     settings.start_x = 0.05;
     settings.headroom = 0.2;
     settings.threads = threads;
     settings.track_energy = track_energy;
+    settings.window = window;
     return settings;
   }
 };

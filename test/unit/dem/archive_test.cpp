@@ -8,9 +8,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <limits>
 
 #include "base/error.h"
+#include "dem/cache.h"
 
 namespace wheel_twin::dem {
 namespace {
@@ -160,6 +162,27 @@ TEST_F(ArchiveTest, KilledWriterLeavesAGoodFile) {
 
 TEST(Sha256, PublishedVector) {  // FIPS 180-4 example "abc"
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+// The second asks while the first is at work, or comes after it: it gets what the first has made.
+TEST_F(ArchiveTest, OfTwoThatWantTheSameFileOneMakesIt) {
+  ASSERT_EQ(setenv("WHEEL_TWIN_CACHE", folder_.c_str(), 1), 0);
+  std::future<Archive> second;
+  const Archive first = fetch("thing", "the same", [&] {
+    second = std::async(std::launch::async, [] {
+      return fetch("thing", "the same", []() -> Archive { throw Error("made twice"); });
+    });
+    return sample(2.5);
+  });
+  EXPECT_EQ(second.get().get<double>("position"), first.get<double>("position"));
+  // Nothing but the file stays behind.
+  const auto left =
+      std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+  EXPECT_EQ(left, 1);
+  // A maker that fails leaves the way free.
+  EXPECT_THROW(fetch("thing", "other", []() -> Archive { throw Error("no"); }), Error);
+  EXPECT_EQ(fetch("thing", "other", [] { return sample(1.0); }).number("time"), 1.0);
+  unsetenv("WHEEL_TWIN_CACHE");
 }
 
 }  // namespace

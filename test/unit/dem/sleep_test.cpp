@@ -193,11 +193,12 @@ System windowed(int threads = 1, bool book = false) {
   return system;
 }
 
-/// A plate pressed in around the middle while the window moves on by 20 mm and back across the period's end.
+/// Steps with a window that swings by a cell to both sides, so that slabs fall asleep in motion and wake.
+/// What moves the grains (the plate of 30 mm) stays inside.
 void press(System& system, std::int64_t steps) {
   for (std::int64_t k = 0; k < steps; ++k) {
     const double phase = static_cast<double>(system.step_number() - settled().step) / 2000.0;
-    system.hold_beyond(kMiddle + 0.02 * std::sin(M_PI * phase), 0.03);
+    system.hold_beyond(kMiddle + 0.01 * std::sin(M_PI * phase), 0.035);
     system.step();
   }
 }
