@@ -48,3 +48,9 @@ holds "$(mean towed drawbar_pull_n) < 0 && $(mean towed slip) < 0"              
 holds "$(mean towed drive_torque_nm) < 0.01 * $(mean driven drive_torque_nm)"
 holds "$(mean towed drive_torque_nm) > -0.01 * $(mean driven drive_torque_nm)"
 holds "$(mean left side_force_n) > $(mean right side_force_n) + 1"                              # to the side it is turned to
+
+# A window that ends under the wheel is refused in one line.
+sed 's/^start_x.*/&\nwindow: {behind: 0.05, ahead: 0.11}/' "$out/amalia.yaml" > "$out/narrow.yaml"
+if run --dem "$out/narrow.yaml" --slip 0.4 --load 42.1 --out "$out/narrow.bag" 2> "$out/narrow.txt"; then exit 1; fi
+grep -q "a window of 0.05 m behind and 0.11 m ahead of the hub is too small for wheel 'amalia'" "$out/narrow.txt"
+[ "$(wc -l < "$out/narrow.txt")" -eq 1 ]
