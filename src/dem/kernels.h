@@ -28,6 +28,8 @@ struct Period {
 /// Templates as tables: 16 entries a shape.
 struct ShapeTable {
   Column<double> x, y, z, radius;
+  /// The same, kBatch templates a row, entry kBatch * sphere + template: empty when there are more.
+  Column<double> few[4];
   Column<std::uint8_t> count;
   int largest_count = 1;
 };

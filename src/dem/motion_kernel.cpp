@@ -45,12 +45,20 @@ struct SpherePlacer {
       most = count[k] > most ? count[k] : most;
     }
     auto index = hn::Load(DI(), entry);
+    const bool few = lanes == kBatch && !shapes.few[0].empty();
+    const auto which =
+        hn::IndicesFromVec(d, few ? hn::BitCast(hn::RebindToUnsigned<DI>(), hn::ShiftRight<4>(index))
+                                  : hn::Zero(hn::RebindToUnsigned<DI>()));
+    const auto look_up = [&](int column, const Column<double>& values, std::uint32_t k) {
+      return few ? hn::TableLookupLanes(hn::Load(d, shapes.few[column].data() + kBatch * k), which)
+                 : hn::GatherIndex(d, values.data(), index);
+    };
     for (std::uint32_t k = 0; k < most; ++k) {
-      s.radius = hn::DemoteTo(df, hn::Mul(size, hn::GatherIndex(d, shapes.radius.data(), index)));
+      s.radius = hn::DemoteTo(df, hn::Mul(size, look_up(3, shapes.radius, k)));
       if (rotation != nullptr) {
-        const Vector3<VD> local{hn::Mul(size, hn::GatherIndex(d, shapes.x.data(), index)),
-                                hn::Mul(size, hn::GatherIndex(d, shapes.y.data(), index)),
-                                hn::Mul(size, hn::GatherIndex(d, shapes.z.data(), index))};
+        const Vector3<VD> local{hn::Mul(size, look_up(0, shapes.x, k)),
+                                hn::Mul(size, look_up(1, shapes.y, k)),
+                                hn::Mul(size, look_up(2, shapes.z, k))};
         s.lever = Narrow(ToWorld(*rotation, local));
         const Vector3<VD> lever = Wide(s.lever);
         s.x = {hn::Add(center.x, lever.x), hn::Add(center.y, lever.y), hn::Add(center.z, lever.z)};

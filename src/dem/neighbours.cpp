@@ -11,10 +11,11 @@ namespace {
 class Grid {
  public:
   Grid(const Bodies& bodies, const Spheres& spheres, const Period& period)
-      : period_(period), body_(spheres.body) {
+      : period_(period), body_(spheres.body), asleep_(bodies.asleep) {
     choose_big(spheres);
     choose_cells(bodies, spheres);
     fill(bodies, spheres);
+    find_stirring(bodies);
   }
 
   template <typename Emit>
@@ -23,6 +24,7 @@ class Grid {
       const int cx = cell_of(0, x_[p]);
       const int cy = cell_of(1, y_[p]);
       const int cz = cell_of(2, z_[p]);
+      if (asleep_[owner_[p]] != 0 && stirs_[number(cx, cy, cz)] == 0) continue;
       visit(cx - 1, cx + 1, cy - 1, cy + 1, cz - 1, cz + 1, p + 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t o = begin; o < end; ++o) {
           if (near(p, o)) emit(sphere_[p], sphere_[o]);
@@ -126,6 +128,37 @@ class Grid {
     }
   }
 
+  /// Cells that have an awake sphere in them or beside them; nothing when all are awake.
+  void find_stirring(const Bodies& bodies) {
+    if (std::find(asleep_.begin(), asleep_.begin() + static_cast<std::ptrdiff_t>(bodies.count), 1) ==
+        asleep_.begin() + static_cast<std::ptrdiff_t>(bodies.count))
+      return;
+    stirs_.assign(start_.size() - 1, 0);
+    for (std::size_t p = 0; p < sphere_.size(); ++p) {
+      if (asleep_[owner_[p]] == 0)
+        stirs_[number(cell_of(0, x_[p]), cell_of(1, y_[p]), cell_of(2, z_[p]))] = 1;
+    }
+    // Spread by one cell along one axis after the other.
+    std::vector<int> near;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::vector<std::uint8_t> before = stirs_;
+      int at[3];
+      for (at[0] = 0; at[0] < cells_[0]; ++at[0]) {
+        for (at[1] = 0; at[1] < cells_[1]; ++at[1]) {
+          for (at[2] = 0; at[2] < cells_[2]; ++at[2]) {
+            if (before[number(at[0], at[1], at[2])] == 0) continue;
+            axis_cells(axis, at[axis] - 1, at[axis] + 1, near);
+            for (const int c : near) {
+              int other[3] = {at[0], at[1], at[2]};
+              other[axis] = c;
+              stirs_[number(other[0], other[1], other[2])] = 1;
+            }
+          }
+        }
+      }
+    }
+  }
+
   /// From the grid's corner, on periodic axes within the period.
   void position(const SphereRow& row, float (&at)[3]) const {
     for (int a = 0; a < 3; ++a) {
@@ -222,6 +255,7 @@ class Grid {
 
   const Period& period_;
   const Column<std::uint32_t>& body_;
+  const Column<std::uint8_t>& asleep_;
   std::vector<std::uint32_t> big_;
   std::vector<std::array<float, 4>> big_at_;
   float largest_small_ = 0.0F;
@@ -235,6 +269,7 @@ class Grid {
   std::vector<std::uint32_t> start_;
   std::vector<float> x_, y_, z_, reach_of_;
   std::vector<std::uint32_t> sphere_, owner_;
+  std::vector<std::uint8_t> stirs_;
 };
 
 template <typename T>

@@ -22,7 +22,8 @@ struct OuterList {
 using ThreadBounds = std::vector<std::size_t>;
 
 /// All pairs of spheres of different bodies whose surfaces are nearer than the sum of the bodies' reserves;
-/// pairs inside class `without` (sleeping bodies) are left out.
+/// pairs inside class `without` (sleeping bodies) are left out, and those of sleeping bodies far from awake
+/// ones.
 void find_pairs(const Bodies& bodies, const Spheres& spheres, const Period& period,
                 const ThreadBounds& bounds, OuterList& list, std::size_t without = ~std::size_t{0});
 

@@ -64,6 +64,16 @@ System::Impl::Impl(const WorldSettings& settings_in, const MaterialTable& materi
     shapes.count.push_back(static_cast<std::uint8_t>(shape.spheres.size()));
     shapes.largest_count = std::max(shapes.largest_count, static_cast<int>(shape.spheres.size()));
   }
+  if (templates.size() <= kBatch) {
+    const Column<double>* tables[4] = {&shapes.x, &shapes.y, &shapes.z, &shapes.radius};
+    for (int c = 0; c < 4; ++c) {
+      shapes.few[c].resize(kBatch * ClumpTemplate::maximum_spheres);
+      for (std::size_t shape = 0; shape < templates.size(); ++shape) {
+        for (std::size_t k = 0; k < ClumpTemplate::maximum_spheres; ++k)
+          shapes.few[c][kBatch * k + shape] = (*tables[c])[ClumpTemplate::maximum_spheres * shape + k];
+      }
+    }
+  }
   rayleigh = 1e300;
   for (std::uint32_t m = 0; m < settings.particle_materials; ++m) {
     rayleigh = std::min(rayleigh, rayleigh_time(materials[m], settings.smallest_size * smallest_radius));

@@ -192,8 +192,9 @@ void System::Impl::wake_pressed() {
   bool pressed = false;
   for (std::size_t t = stale ? 0 : team->size(); t < walls.threads(); ++t) {
     for (const auto& touch : walls.touches(t)) {
+      if (!walls.parts()[touch.part].moves()) continue;
       const std::uint32_t b = spheres.body[touch.sphere];
-      if (bodies.asleep[b] == 0 || held[cell_of(b)] != 0 || !walls.parts()[touch.part].moves()) continue;
+      if (bodies.asleep[b] == 0 || held[cell_of(b)] != 0) continue;
       quiet[cell_of(b)] = 0;
       pressed = true;
     }
