@@ -150,9 +150,10 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
       }
       ++next;
     }
-  if (evidence.lag[run]) {
-    out.push_back((*evidence.lag[run] - draw_wire_delay(model)) / evidence.lag_error);
+  for (const double lag : evidence.lag[run]) {
+    out.push_back((lag - draw_wire_delay(model)) / evidence.lag_error);
     if (block != nullptr) block->push_back(next);
+    ++next;
   }
   return out;
 }

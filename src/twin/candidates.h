@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,9 +24,9 @@ struct Evidence {
   std::vector<const RunGrid*> runs;  ///< measured
   std::vector<std::vector<LogDeviation>> log_deviation;  ///< of each run, by stretch
   std::vector<LogDeviation> calm;  ///< of each run, as the baseline on an uneven bed has it
-  std::vector<std::optional<double>>
-      lag;                  ///< of the draw wire behind the wrench, s, less that of the references
-  double lag_error = 0.05;  ///< s
+  std::vector<std::vector<double>>
+      lag;  ///< of each run, by stretch: of the draw wire behind the wrench, s, less that of the references
+  double lag_error = 0.05;  ///< of a stretch, s
 
   FluctuationModel fluctuation_of(std::size_t run) const {
     FluctuationModel model = fluctuation;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <vector>
 
 #include "base/random.h"
@@ -103,6 +104,7 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
 Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool fluctuates) {
   Omnibus result;
   int asked = 0;
+  std::vector<double> lags;
   const auto note = [&](const RunGrid& grid, Channel channel, const char* feature, double size,
                         double error) {
     if (!std::isfinite(size) || !(error > 0.0)) return;
@@ -170,9 +172,15 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
         note(grid, channel, "fluctuation",
              measured_deviation[static_cast<std::size_t>(c)] - predicted[static_cast<std::size_t>(c)], 0.25);
     }
-    if (evidence.lag[r])
-      note(grid, Channel::hub_displacement, "lag", *evidence.lag[r] - draw_wire_delay(model),
-           evidence.lag_error);
+    lags.insert(lags.end(), evidence.lag[r].begin(), evidence.lag[r].end());
+  }
+  if (!lags.empty()) {
+    // A clock is late in every run alike: one question.
+    const auto n = static_cast<double>(lags.size());
+    const double late = std::accumulate(lags.begin(), lags.end(), 0.0) / n - draw_wire_delay(model);
+    ++asked;
+    result.findings.push_back(
+        {"all runs", Channel::hub_displacement, "lag", late, late * std::sqrt(n) / evidence.lag_error});
   }
   std::sort(result.findings.begin(), result.findings.end(),
             [](const Finding& a, const Finding& b) { return std::abs(a.z) > std::abs(b.z); });

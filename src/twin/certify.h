@@ -17,7 +17,7 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
 
 /// One feature of the residual that a perfect twin would not show.
 struct Finding {
-  std::string run;
+  std::string run;  ///< or "all runs"
   Channel channel = Channel::drawbar_pull;
   std::string feature;  ///< level, trend, fluctuation, turn (once a wheel turn), place, lag
   double size = 0.0;    ///< in the unit of the channel (fluctuation: ratio; lag: s)

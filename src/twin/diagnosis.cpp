@@ -3,19 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
-#include <numeric>
-#include <set>
 
 #include "base/error.h"
-#include "base/progress.h"
 #include "effects/catalogue.h"
+#include "twin/clock_lag.h"
 #include "twin/errors_left.h"
-#include "twin/parallel.h"
+#include "twin/residual_text.h"
 #include "twin/steady_diagnosis.h"
 #include "twin/steady_runs.h"
+#include "twin/tracing.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -27,8 +25,9 @@ constexpr double nearly_gone = 0.95;      // of the squared error of every distu
 constexpr double least_share = 0.05;      // of it that a second effect must explain
 constexpr int fewest_steady_bins = 12;    // of a run
 constexpr double lag_tolerance = 0.1;     // s, between runs of one clock
+constexpr double lag_error = 0.02;        // s, of one run
+constexpr double own_lag = 0.05;          // s, that wire and wrench may have without a clock being late
 constexpr std::size_t refined = 8;        // candidates that are listed
-constexpr std::size_t fitted_singles = 14, fitted_pairs = 7;  // of those that promise most
 
 double bin_for(const logs::Experiment& experiment) {
   const double rate = std::min(experiment.ft ? experiment.ft->rate : 100.0,
@@ -48,6 +47,26 @@ std::optional<double> common_lag(const std::vector<const RunGrid*>& runs) {
                                       [&](double lag) { return std::abs(lag - median) < lag_tolerance; });
   if (2 * static_cast<std::size_t>(agreeing) <= lags.size() || agreeing < 2) return std::nullopt;
   return median;
+}
+
+/// How late the draw wire is: against the reference runs, whose own lag is the zero, or without any by what
+/// most runs agree on.
+void set_lags(const std::vector<const RunGrid*>& references, Evidence& evidence) {
+  if (!references.empty()) {
+    const ClockLag lag = clock_lag(evidence.runs, references);
+    evidence.lag = lag.by_run;
+    evidence.lag_error = lag.error;
+    return;
+  }
+  const std::optional<double> common = common_lag(evidence.runs);
+  double count = 0.0;
+  for (const RunGrid* run : evidence.runs) {
+    evidence.lag.emplace_back();
+    if (!run->lag || !common || std::abs(run->lag->seconds - *common) > lag_tolerance) continue;
+    evidence.lag.back().push_back(run->lag->seconds);
+    count += 1.0;
+  }
+  evidence.lag_error = std::hypot(lag_error, std::sqrt(count) * own_lag);
 }
 
 /// Noise of the measured runs: at least that of the reference runs, more where they fluctuate more.
@@ -78,153 +97,6 @@ std::vector<NoiseModel> noise_of(const std::vector<const RunGrid*>& runs, const 
   std::vector<NoiseModel> noise;
   for (std::size_t r = 0; r < runs.size(); ++r) noise.push_back(common_noise(a[r], b[r]));
   return noise;
-}
-
-std::string effect_list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " + ") + name;
-  return text.empty() ? "nothing" : text;
-}
-
-class Tracing {
- public:
-  Tracing(const Evidence& evidence, const DiagnosisOptions& options)
-      : evidence_(evidence), options_(options) {
-    runs_.resize(evidence.runs.size());
-    std::iota(runs_.begin(), runs_.end(), std::size_t{0});
-    double blocks = 0.0;
-    for (const RunGrid* run : evidence.runs) blocks += run->bins() * run->bin / 6.0;
-    price_ = 0.5 * std::log(std::max(3.0, blocks));
-  }
-
-  /// Fits every effect of the catalogue on top of `base`, best score first.
-  std::vector<Candidate> every_effect(const Candidate& base) const {
-    std::vector<std::string> names;
-    for (const effects::EffectType& type : effects::catalogue())
-      if (std::find(base.effects.begin(), base.effects.end(), type.name) == base.effects.end())
-        names.push_back(type.name);
-    // A look at every effect, then a fit of those that promise most.
-    Progress progress(base.effects.empty() ? "tracing effects" : "tracing pairs",
-                      static_cast<double>(names.size()));
-    std::atomic<int> done{0};
-    const auto with = [&](const std::string& name) {
-      std::vector<std::string> all = base.effects;
-      all.push_back(name);
-      return all;
-    };
-    std::vector<double> foretold(names.size());
-    in_parallel(names.size(), options_.threads, [&](std::size_t i) {
-      foretold[i] = foretold_chi_square(evidence_, with(names[i]), runs_, base.values);
-      progress.update(0.5 * ++done);
-    });
-    std::vector<std::size_t> order(names.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return foretold[a] < foretold[b]; });
-    order.resize(std::min(order.size(), base.effects.empty() ? fitted_singles : fitted_pairs));
-    std::vector<Candidate> candidates(order.size());
-    in_parallel(order.size(), options_.threads, [&](std::size_t i) {
-      candidates[i] = scored(fit_candidate(evidence_, with(names[order[i]]), runs_, base.values));
-      progress.update(0.5 * (done += 1));
-    });
-    candidates.erase(
-        std::remove_if(candidates.begin(), candidates.end(), [](const Candidate& c) { return !c.usable; }),
-        candidates.end());
-    std::sort(candidates.begin(), candidates.end(),
-              [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
-    return candidates;
-  }
-
-  /// Chi-square under the noise as it is now known.
-  void judge_again(Candidate& candidate) const {
-    candidate.run_chi_square = chi_squares(evidence_, candidate.model, runs_, candidate.fluctuates);
-    candidate.chi_square =
-        std::accumulate(candidate.run_chi_square.begin(), candidate.run_chi_square.end(), 0.0);
-  }
-
-  double count() const {
-    double sum = 0.0;
-    for (std::size_t r = 0; r < evidence_.runs.size(); ++r)
-      sum += static_cast<double>(run_residuals(evidence_, r, evidence_.baseline, false).size());
-    return sum;
-  }
-
-  Candidate nothing() const { return scored(fit_candidate(evidence_, {}, runs_)); }
-
-  Candidate scored(Candidate candidate) const {
-    candidate.score = -0.5 * candidate.chi_square / temperature_ - price_ * candidate.parameters;
-    return candidate;
-  }
-
-  /// Chi-square counts six channels that share one fluctuation, and what the model misses: scores are cooled
-  /// by how far the best explanation is from chi-square one.
-  void set_temperature(const Candidate& best) {
-    temperature_ = std::max(3.0, 3.0 * best.chi_square / std::max(1.0, count()));
-  }
-
- private:
-  const Evidence& evidence_;
-  DiagnosisOptions options_;
-  std::vector<std::size_t> runs_;
-  double price_ = 3.0;
-  double temperature_ = 3.0;
-};
-
-std::string describe(const Finding& f) {
-  return fmt::format("{} of {} in {}: {:.3g} {} ({:+.1f} standard errors)", f.feature, name_of(f.channel),
-                     f.run, f.size,
-                     f.feature == "lag"           ? "s"
-                     : f.feature == "fluctuation" ? "in log"
-                                                  : unit_of(f.channel),
-                     f.z);
-}
-
-/// What the residual looks like, for a person who has to write the missing effect.
-std::string describe(const Omnibus& omnibus) {
-  if (omnibus.findings.empty()) return "nothing stands out";
-  std::string text;
-  std::set<std::string> told;
-  for (const Finding& f : omnibus.findings) {
-    if (std::abs(f.z) < 4.0 || told.size() >= 5) break;
-    if (!told.insert(fmt::format("{}/{}", f.feature, name_of(f.channel))).second) continue;
-    text += (text.empty() ? "" : "; ") + describe(f);
-  }
-  return text.empty() ? "nothing stands out" : text;
-}
-
-/// Correlation of the level of each run's residual with slip, load and temperature.
-std::string correlations(const Evidence& evidence, const TwinConfig& model) {
-  std::string text;
-  for (const Channel channel : all_channels) {
-    std::vector<double> level, slip;
-    for (const RunGrid* run : evidence.runs) {
-      const Residual residual = residual_of(*run, simulate(model, *run));
-      double sum = 0.0;
-      int count = 0;
-      for (int i = 0; i < run->bins(); ++i)
-        if (run->moving[static_cast<std::size_t>(i)] && std::isfinite(residual.bins(index_of(channel), i))) {
-          sum += residual.bins(index_of(channel), i);
-          ++count;
-        }
-      if (count == 0) continue;
-      level.push_back(sum / count);
-      slip.push_back(run->declared.slip);
-    }
-    if (level.size() < 4) continue;
-    const double n = static_cast<double>(level.size());
-    const double ml = std::accumulate(level.begin(), level.end(), 0.0) / n,
-                 ms = std::accumulate(slip.begin(), slip.end(), 0.0) / n;
-    double ls = 0.0, ll = 0.0, ss = 0.0;
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      ls += (level[i] - ml) * (slip[i] - ms);
-      ll += (level[i] - ml) * (level[i] - ml);
-      ss += (slip[i] - ms) * (slip[i] - ms);
-    }
-    const double r = ll > 0.0 && ss > 0.0 ? ls / std::sqrt(ll * ss) : 0.0;
-    if (std::abs(r) > 0.8 && std::sqrt(ll / n) > 2.0 * evidence.noise.front()[index_of(channel)].run_offset)
-      text += fmt::format("; the level of {} follows slip (correlation {:+.2f})", name_of(channel), r);
-  }
-  return text;
 }
 
 /// Runs that can be explained, errors of recording put right; tells of both. Throws Error when most runs are
@@ -258,15 +130,6 @@ std::vector<const RunGrid*> usable_runs(const TwinConfig& declared, Diagnosis& d
     throw Error(fmt::format("{}: {} of {} runs are no logs of what is declared ({})", d.experiment,
                             all - usable.size(), all, reason));
   return usable;
-}
-
-std::string told(const std::vector<RecordingError>& errors) {
-  std::string text;
-  for (const RecordingError& error : errors) {
-    text += fmt::format("{}{} (in {}", text.empty() ? "Recording: " : "; ", error.what, error.runs.front());
-    text += error.runs.size() > 1 ? fmt::format(" to {})", error.runs.back()) : ")";
-  }
-  return text.empty() ? text : text + ". It was put right before what follows. ";
 }
 
 }  // namespace
@@ -333,23 +196,15 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     return noise_of(runs, calibration, left_of_references, left_of_measured, floor);
   };
   evidence.noise = noise_of_runs(measured);
-  // Wire and wrench need not fluctuate together at no lag: where there are reference runs, theirs is the
-  // zero.
-  const std::optional<double> reference_lag = calibrated ? common_lag(references) : 0.0;
-  const std::optional<double> measured_lag = common_lag(measured);
+  set_lags(references, evidence);
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
     evidence.calm.push_back(evidence.fluctuation.known
                                 ? predicted_log_deviation(d.before, *measured[r], evidence.fluctuation_of(r))
                                 : LogDeviation{});
-    const std::optional<Lag>& lag = measured[r]->lag;
-    const bool agrees =
-        lag && measured_lag && reference_lag && std::abs(lag->seconds - *measured_lag) < lag_tolerance;
-    evidence.lag.push_back(agrees ? std::optional<double>(lag->seconds - *reference_lag) : std::nullopt);
   }
-  evidence.lag_error = 0.02;
 
-  Tracing tracing(evidence, options);
+  Tracing tracing(evidence, options.threads);
   Candidate nothing = tracing.nothing();
   if (!nothing.usable)
     throw Error(experiment.name + ": the calibrated twin cannot carry the loads of the measured runs");
@@ -408,6 +263,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   }
   const Errors errors = errors_of(measured, nothing.model, best.model, evidence.noise);
   const double ratio = worst_ratio(errors);
+  const double ratio_held_out =
+      held_out.empty() ? 0.0
+                       : worst_ratio(errors_of(held_out, nothing.model, best.model, noise_of_runs(held_out)));
   // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
   std::optional<double> tone;
   if (sticks(best.model)) {
@@ -417,8 +275,8 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   }
   const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
   const double unexplained =
-      tone ? 1.0
-      : ratio < never_explained && (explained > mostly_explained || least_gone(errors) > nearly_gone)
+      tone || std::max(ratio, ratio_held_out) > never_explained ? 1.0
+      : (explained > mostly_explained || least_gone(errors) > nearly_gone)
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   if (!something)
@@ -504,7 +362,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
       d.evidence += fmt::format(
           "No effect of the catalogue brings it to the noise level: the best, {}, leaves {:.1f} times the "
           "noise floor (corrected p = {:.2g}).",
-          effect_list(best.effects), ratio, p_best);
+          effect_list(best.effects), std::max(ratio, ratio_held_out), p_best);
     if (tone)
       d.evidence += fmt::format(
           " Most of what a channel fluctuates by is one tone of {:.3g} Hz, the same in most runs: a machine, "

@@ -234,6 +234,7 @@ RunGrid grid_of(const logs::Run& declared, const std::string& name, const run_lo
   mask_settling(grid);
   take_averages(grid);
   grid.lag = draw_wire_lag(log);
+  grid.lag_curves = lag_curves(log);
   return grid;
 }
 

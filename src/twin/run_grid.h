@@ -40,7 +40,8 @@ struct RunGrid {
   Eigen::VectorXd slip;                                          ///< of the measured speeds, by bin
   std::vector<bool> moving;  ///< wheel or carriage moves throughout the bin
   std::vector<WindowMean> windows;
-  std::optional<Lag> lag;  ///< of the draw wire behind the wrench
+  std::optional<Lag> lag;               ///< of the draw wire behind the wrench
+  std::optional<LagCurves> lag_curves;  ///< of the same
 
   int bins() const { return static_cast<int>(motion.size()); }
   double time(int i) const { return motion[static_cast<std::size_t>(i)].time; }

@@ -6,17 +6,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "twin/residual_text.h"
 
 namespace wheel_twin::twin {
 namespace {
 
 constexpr double near = 3.0;  // in score
-
-std::string effect_list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " + ") + name;
-  return text.empty() ? "nothing" : text;
-}
 
 /// A run that was not made: the channels of `like`, other conditions.
 SteadyRun planned(const SteadyRun& like, double slip, double load, double steering_angle, double radius) {

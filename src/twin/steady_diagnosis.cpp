@@ -15,6 +15,7 @@
 #include "twin/metrics.h"
 #include "twin/parallel.h"
 #include "twin/plate_fit.h"
+#include "twin/residual_text.h"
 #include "twin/separating_run.h"
 #include "twin/steady_evidence.h"
 #include "twin/steady_selection.h"
@@ -147,12 +148,6 @@ SteadyRow row_of(const SteadyRun& run, const TwinConfig& declared, const TwinCon
     if (scored(run, window.channel)) row.values[window.channel] = {window.mean, a[w], b[w], c[w], nan};
   }
   return row;
-}
-
-std::string effect_list(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : " + ") + name;
-  return text.empty() ? "nothing" : text;
 }
 
 void set_left_out(const SteadyRuns& runs, const Means& residuals, SteadyReport& report) {

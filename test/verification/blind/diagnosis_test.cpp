@@ -22,10 +22,12 @@ class Loop : public testing::Test {
   Loop() : folder_(fs::temp_directory_path() / ("wheel_twin_blind_" + std::to_string(getpid()))) {}
   ~Loop() override { fs::remove_all(folder_); }
 
-  twin::Diagnosis diagnosis_of(std::vector<twin::EffectSetting> effects) {
+  twin::Diagnosis diagnosis_of(std::vector<twin::EffectSetting> effects, const std::string& outside = {},
+                               double outside_size = 0.0) {
     Drawn drawn = draw(12);  // a rig with reference runs
     drawn.effects = std::move(effects);
-    drawn.outside.clear();
+    drawn.outside = outside;
+    drawn.outside_size = outside_size;
     write(drawn, "hidden", folder_.string(), 12);
     twin::DiagnosisOptions options;
     options.threads = 1;
@@ -56,6 +58,15 @@ TEST_F(Loop, ACompactedSoilIsNamedWithItsShare) {
   const twin::Candidate& best = found.candidates.front().candidate;
   ASSERT_EQ(best.effects, std::vector<std::string>{"multi_pass"});
   EXPECT_NEAR(best.values[0][0], 0.4, 0.06);
+}
+
+TEST_F(Loop, ALateDrawWireIsNamedWithItsDelay) {
+  const twin::Diagnosis found = diagnosis_of({{"clock_skew", {-0.08}}});
+  ASSERT_EQ(found.verdict, "effect_found");
+  ASSERT_FALSE(found.candidates.empty());
+  const twin::Candidate& best = found.candidates.front().candidate;
+  ASSERT_EQ(best.effects, std::vector<std::string>{"clock_skew"});
+  EXPECT_NEAR(best.values[0][0], -0.08, 0.012);
 }
 
 /// Experiments that no one can explain, made of the logs of a drawn rig.
