@@ -9,8 +9,8 @@
 #include "base/error.h"
 #include "cosim/checkpoint.h"
 #include "cosim/coupled_contact.h"
+#include "nodes/asker.h"
 #include "nodes/coupling_conversion.h"
-#include "nodes/link.h"
 #include "nodes/patience.h"
 
 namespace wheel_twin::nodes {
@@ -22,18 +22,15 @@ class RemoteSoil final : public cosim::SoilSide {
   using Answer = boost::shared_ptr<const SegmentLoads>;
 
   RemoteSoil(const ros::NodeHandle& node, const CoupledWheelSettings& settings, std::function<bool()> quit)
-      : link_(node, "wheel/segments", "soil/segment_loads", "dem_soil", std::move(quit)),
+      : soil_(node, "wheel/segments", "soil/segment_loads", "dem_soil", "dem_soil: ", std::move(quit)),
         patience_(settings.patience) {}
 
   Answer open(std::uint64_t run, const std::string& fingerprint, std::vector<std::uint8_t> state) {
-    run_ = run;
-    step_ = 0;
-    link_.meet(patience_);
-    const auto question = request(SegmentMotion::OPEN);
+    soil_.begin(run, patience_);
+    const auto question = soil_.question(SegmentMotion::OPEN);
     question->text = fingerprint;
     question->state = std::move(state);
-    open_ = true;
-    const Answer answer = ask(question, bed_patience(patience_));
+    const Answer answer = soil_.ask(question, bed_patience(patience_));
     time_step_ = answer->time_step;
     return answer;
   }
@@ -42,10 +39,10 @@ class RemoteSoil final : public cosim::SoilSide {
 
   const std::vector<wheel::Wrench>& advance(std::int64_t step,
                                             const std::vector<wheel::SegmentState>& segments) override {
-    step_ = static_cast<std::uint64_t>(step);
-    const auto question = request(SegmentMotion::STEP);
+    soil_.set_step(static_cast<std::uint64_t>(step));
+    const auto question = soil_.question(SegmentMotion::STEP);
     put(segments, *question);
-    const Answer answer = ask(question, patience_);
+    const Answer answer = soil_.ask(question, patience_);
     if (answer->segments.size() != segments.size())
       throw Error(fmt::format("dem_soil answered loads on {} segments, the wheel has {}",
                               answer->segments.size(), segments.size()));
@@ -53,44 +50,16 @@ class RemoteSoil final : public cosim::SoilSide {
     return loads_;
   }
 
-  std::vector<std::uint8_t> state() { return ask(request(SegmentMotion::CHECKPOINT), patience_)->state; }
-
-  void hold() { link_.send(request(SegmentMotion::HOLD)); }
-
-  void close(const std::string& why) {
-    if (!open_) return;
-    open_ = false;
-    const auto question = request(SegmentMotion::CLOSE);
-    question->text = why;
-    link_.send(question);
+  std::vector<std::uint8_t> state() {
+    return soil_.ask(soil_.question(SegmentMotion::CHECKPOINT), patience_)->state;
   }
+
+  void hold() { soil_.hold(); }
+  void close(const std::string& why) { soil_.close(why); }
 
  private:
-  boost::shared_ptr<SegmentMotion> request(std::uint8_t kind) {
-    const auto message = boost::make_shared<SegmentMotion>();
-    message->header.frame_id = "rig";
-    message->run = run_;
-    message->step = step_;
-    message->request = kind;
-    return message;
-  }
-
-  Answer ask(const boost::shared_ptr<const SegmentMotion>& question, double patience) {
-    link_.send(question);
-    for (;;) {
-      Answer answer = link_.receive(patience);
-      if (answer->run != run_) continue;  // of a run that was cut short
-      if (!answer->failure.empty()) throw Error("dem_soil: " + answer->failure);
-      if (answer->step != question->step || answer->request != question->request)
-        throw Error(fmt::format("dem_soil answered its step {} to step {}", answer->step, question->step));
-      return answer;
-    }
-  }
-
-  Link<SegmentMotion, SegmentLoads> link_;
+  Asker<SegmentMotion, SegmentLoads> soil_;
   double patience_;
-  std::uint64_t run_ = 0, step_ = 0;
-  bool open_ = false;
   double time_step_ = 0.0;
   std::vector<wheel::Wrench> loads_;
 };

@@ -8,7 +8,7 @@
 #include <functional>
 #include <string>
 
-#include "nodes/link.h"
+#include "nodes/asker.h"
 #include "rig/contact.h"
 
 namespace wheel_twin::nodes {
@@ -37,14 +37,8 @@ class RemoteWheel final : public rig::Contact {
   void close(const std::string& why);
 
  private:
-  boost::shared_ptr<HubMotion> request(std::uint8_t kind);
-  boost::shared_ptr<const HubLoad> ask(const boost::shared_ptr<const HubMotion>& question, double patience);
-
-  Link<HubMotion, HubLoad> link_;
+  Asker<HubMotion, HubLoad> wheel_;
   double patience_;
-  std::uint64_t run_ = 0;
-  std::uint64_t step_ = 0;
-  bool open_ = false;
   bool replaying_ = false;
 };
 

@@ -7,6 +7,7 @@
 
 #include "cosim/coupled_contact.h"
 #include "cosim/dem_soil.h"
+#include "cosim/wheel_faces.h"
 #include "dem/bed.h"
 #include "dem/granular_soil.h"
 #include "rig/free_run.h"
@@ -50,10 +51,7 @@ inline const dem::Bed& small_bed() {
 }
 
 inline std::vector<wheel::SegmentShape> shapes_of(const wheel::WheelModel& model) {
-  const wheel::FlexibleWheel wheel(model);
-  std::vector<wheel::SegmentShape> shapes;
-  for (int i = 0; i < wheel.segment_count(); ++i) shapes.push_back(wheel.shape(i));
-  return shapes;
+  return segment_shapes(wheel::FlexibleWheel(model));
 }
 
 /// Soil and contact of a run, and the rig's settings for it.
