@@ -1,14 +1,15 @@
 #include "nodes/coupled_wheel.h"
 
 #include <fmt/format.h>
-#include <ros/console.h>
 
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "base/error.h"
 #include "cosim/checkpoint.h"
 #include "cosim/coupled_contact.h"
+#include "nodes/answerer.h"
 #include "nodes/asker.h"
 #include "nodes/coupling_conversion.h"
 #include "nodes/patience.h"
@@ -64,69 +65,17 @@ class RemoteSoil final : public cosim::SoilSide {
   std::vector<wheel::Wrench> loads_;
 };
 
-class Server {
+class Wheel final : public Answerer<HubMotion, HubLoad> {
  public:
-  Server(const ros::NodeHandle& node, const CoupledWheelSettings& settings, const CoupledWheelHooks& hooks)
-      : settings_(settings),
+  Wheel(const ros::NodeHandle& node, const CoupledWheelSettings& settings, const CoupledWheelHooks& hooks)
+      : Answerer(node, "wheel/hub_load", "rig/hub_motion", "virtual_rig",
+                 {"flexible_wheel", "waiting", settings.patience, hooks.quit, hooks.status}),
+        settings_(settings),
         hooks_(hooks),
-        rig_(node, "wheel/hub_load", "rig/hub_motion", "virtual_rig", hooks.quit),
         soil_(node, settings, hooks.quit) {}
 
-  void serve() {
-    hooks_.status("waiting");
-    for (;;) {
-      boost::shared_ptr<const HubMotion> question;
-      try {
-        question = contact_ && !held_ ? rig_.receive(settings_.patience) : rig_.receive_any();
-        if (question->request != HubMotion::OPEN && (!contact_ || question->run != run_)) continue;
-        held_ = question->request == HubMotion::HOLD;
-        take(*question);
-      } catch (const NodeEnds&) {
-        soil_.close("flexible_wheel ends");
-        return;
-      } catch (const std::exception& error) {
-        fail(question.get(), error.what());
-      }
-    }
-  }
-
  private:
-  void take(const HubMotion& question) {
-    switch (question.request) {
-      case HubMotion::OPEN:
-        open(question);
-        break;
-      case HubMotion::STEP:
-        step(question);
-        break;
-      case HubMotion::CHECKPOINT:
-        write_checkpoint(question);
-        break;
-      case HubMotion::HOLD:
-        soil_.hold();
-        hooks_.shown(contact_->wheel(), true);
-        break;
-      case HubMotion::CLOSE:
-        close(question.text);
-        break;
-      default:
-        throw Error(fmt::format("request {} is not known", question.request));
-    }
-  }
-
-  boost::shared_ptr<HubLoad> answer_to(const HubMotion& question) const {
-    const auto answer = boost::make_shared<HubLoad>();
-    answer->header.frame_id = "rig";
-    answer->run = question.run;
-    answer->step = question.step;
-    answer->request = question.request;
-    return answer;
-  }
-
-  void open(const HubMotion& question) {
-    close("another run begins");
-    run_ = question.run;
-    rig_.meet(settings_.patience);
+  void open(const HubMotion& question, HubLoad& answer) override {
     std::optional<cosim::CouplingState> resumed;
     std::vector<std::uint8_t> state;
     const wheel::FlexibleWheel wheel(settings_.model);
@@ -135,70 +84,50 @@ class Server {
       resumed = cosim::load_coupling(archive, question.text, static_cast<std::size_t>(wheel.segment_count()));
       state = dem::archive_bytes(cosim::checkpoint_kind, archive);
     }
-    const auto opened = soil_.open(run_, cosim::wheel_fingerprint(wheel), std::move(state));
+    const auto opened = soil_.open(question.run, cosim::wheel_fingerprint(wheel), std::move(state));
     contact_ = std::make_unique<cosim::CoupledContact>(settings_.model, soil_);
     if (resumed) contact_->resume(std::move(*resumed));
-    const auto answer = answer_to(question);
-    answer->wheel = settings_.model.name;
-    answer->soil = opened->soil;
-    answer->settings = opened->settings;
-    answer->clearance = opened->clearance;
-    answer->soil_step = opened->time_step;
-    rig_.send(answer);
-    hooks_.status("running");
+    answer.wheel = settings_.model.name;
+    answer.soil = opened->soil;
+    answer.settings = opened->settings;
+    answer.clearance = opened->clearance;
+    answer.soil_step = opened->time_step;
   }
 
-  void step(const HubMotion& question) {
-    const auto answer = answer_to(question);
-    answer->replayed = contact_->replaying() ? 1 : 0;
-    put(contact_->advance(from_message(question)), *answer);
-    rig_.send(answer);
-    if (answer->replayed == 0) hooks_.shown(contact_->wheel(), false);
+  void step(const HubMotion& question, HubLoad& answer) override {
+    answer.replayed = contact_->replaying() ? 1 : 0;
+    put(contact_->advance(from_message(question)), answer);
   }
 
-  void write_checkpoint(const HubMotion& question) {
+  void checkpoint(const HubMotion& question, HubLoad& /*answer*/) override {
     dem::Archive archive = dem::archive_from_bytes(soil_.state(), cosim::checkpoint_kind, question.text);
     cosim::store(contact_->state(), archive);
     dem::write_archive(question.text, cosim::checkpoint_kind, archive);
-    rig_.send(answer_to(question));
   }
 
-  void close(const std::string& why) {
-    soil_.close(why);
-    if (!contact_) return;
-    hooks_.shown(contact_->wheel(), true);
-    contact_.reset();
-    if (!why.empty()) ROS_ERROR("flexible_wheel: the run is cut short: %s", why.c_str());
-    hooks_.status("waiting");
+  void hold() override { soil_.hold(); }
+
+  void show(bool at_rest) override {
+    if (!contact_->replaying()) hooks_.shown(contact_->wheel(), at_rest);
   }
 
-  /// One line here, the same reason to both sides.
-  void fail(const HubMotion* question, const std::string& why) {
-    ROS_ERROR("flexible_wheel: %s", why.c_str());
+  void drop(const std::string& why) override {
     soil_.close(why);
     contact_.reset();
-    held_ = false;
-    hooks_.status("failed: " + why);
-    if (question == nullptr) return;
-    const auto answer = answer_to(*question);
-    answer->failure = why;
-    rig_.send(answer);
   }
 
   const CoupledWheelSettings& settings_;
   const CoupledWheelHooks& hooks_;
-  Link<HubLoad, HubMotion> rig_;
   RemoteSoil soil_;
   std::unique_ptr<cosim::CoupledContact> contact_;
-  std::uint64_t run_ = 0;
-  bool held_ = false;
 };
 
 }  // namespace
 
 void serve_coupled_wheel(const ros::NodeHandle& node, const CoupledWheelSettings& settings,
                          const CoupledWheelHooks& hooks) {
-  Server(node, settings, hooks).serve();
+  hooks.status("waiting");
+  Wheel(node, settings, hooks).serve();
 }
 
 }  // namespace wheel_twin::nodes
