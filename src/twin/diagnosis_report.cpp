@@ -10,6 +10,7 @@
 #include "base/atomic_file.h"
 #include "base/plot.h"
 #include "effects/catalogue.h"
+#include "twin/json_parts.h"
 #include "twin/page.h"
 #include "twin/steady_page.h"
 
@@ -20,20 +21,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t shown_candidates = 10;
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json errors_json(const Errors& errors) {
-  Json json = Json::object();
-  for (const auto& [channel, error] : errors)
-    json[std::string(name_of(channel))] = {{"unit", unit_of(channel)},
-                                           {"before", number(error.before)},
-                                           {"after", number(error.after)},
-                                           {"noise_floor", number(error.noise_floor)}};
-  return json;
-}
-
 Json effects_json(const Ranked& ranked, const std::map<std::string, double>& probabilities) {
   Json list = Json::array();
   const Candidate& c = ranked.candidate;
@@ -41,8 +28,8 @@ Json effects_json(const Ranked& ranked, const std::map<std::string, double>& pro
     const effects::EffectType& type = effects::find_effect(c.effects[k]);
     Json parameters = Json::object();
     for (std::size_t i = 0; i < type.parameters.size(); ++i)
-      parameters[type.parameters[i].name] = {{"value", number(c.values[k][i])},
-                                             {"stderr", number(c.errors[k][i])},
+      parameters[type.parameters[i].name] = {{"value", number_json(c.values[k][i])},
+                                             {"stderr", number_json(c.errors[k][i])},
                                              {"unit", type.parameters[i].unit}};
     const auto own = probabilities.find(type.name);
     list.push_back({{"name", type.name},
@@ -168,19 +155,20 @@ std::string diagnosis_json(const Diagnosis& d) {
     const Ranked& r = d.candidates[i];
     json["candidates"].push_back({{"effects", r.candidate.effects},
                                   {"probability", r.probability},
-                                  {"score", number(r.candidate.score)}});
+                                  {"score", number_json(r.candidate.score)}});
   }
   json["error"] = errors_json(d.error);
   json["held_out"] = {{"runs", d.held_out}, {"error", errors_json(d.held_out_error)}};
-  json["residual"] = {
-      {"p_before", number(d.omnibus.p)}, {"p_after", number(d.left.p)}, {"findings", Json::array()}};
+  json["residual"] = {{"p_before", number_json(d.omnibus.p)},
+                      {"p_after", number_json(d.left.p)},
+                      {"findings", Json::array()}};
   for (std::size_t i = 0; i < std::min<std::size_t>(20, d.omnibus.findings.size()); ++i) {
     const Finding& f = d.omnibus.findings[i];
     json["residual"]["findings"].push_back({{"run", f.run},
                                             {"channel", name_of(f.channel)},
                                             {"feature", f.feature},
-                                            {"size", number(f.size)},
-                                            {"standard_errors", number(f.z)}});
+                                            {"size", number_json(f.size)},
+                                            {"standard_errors", number_json(f.z)}});
   }
   if (d.steady) json.update(steady_json(*d.steady));
   json["warnings"] = d.warnings;

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/plot.h"
+#include "twin/json_parts.h"
 #include "twin/page.h"
 
 namespace wheel_twin::twin {
@@ -13,26 +14,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json errors_json(const Errors& errors) {
-  Json json = Json::object();
-  for (const auto& [channel, e] : errors)
-    json[std::string(name_of(channel))] = {{"unit", unit_of(channel)},
-                                           {"before", number(e.before)},
-                                           {"after", number(e.after)},
-                                           {"noise_floor", number(e.noise_floor)}};
-  return json;
-}
-
 Json values_json(const SteadyRow::Value& v) {
-  return {{"measured", number(v.measured)},
-          {"declared", number(v.declared)},
-          {"before", number(v.before)},
-          {"after", number(v.after)},
-          {"left_out", number(v.left_out)}};
+  return {{"measured", number_json(v.measured)},
+          {"declared", number_json(v.declared)},
+          {"before", number_json(v.before)},
+          {"after", number_json(v.after)},
+          {"left_out", number_json(v.left_out)}};
 }
 
 std::string shown(Channel channel, double value) {
@@ -114,11 +101,11 @@ Json steady_json(const SteadyReport& report) {
   json["declared"] = Json::object();
   for (const auto& [channel, e] : report.declared)
     json["declared"][std::string(name_of(channel))] = {{"unit", unit_of(channel)},
-                                                       {"rmse", number(e.before)}};
+                                                       {"rmse", number_json(e.before)}};
   json["left_out"] = {{"groups", report.parts}, {"error", errors_json(report.left_out)}};
   Json driving = errors_json(report.left_out_driving);
   for (const auto& [channel, constant] : report.constant_driving)
-    driving[std::string(name_of(channel))]["constant"] = number(constant);
+    driving[std::string(name_of(channel))]["constant"] = number_json(constant);
   json["left_out"]["driving"] = driving;
   json["not_diagnosed"] = {{"runs", report.outside_runs}, {"error", errors_json(report.outside)}};
   json["effects_left_aside"] = report.left_aside;
