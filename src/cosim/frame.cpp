@@ -1,7 +1,6 @@
 #include "cosim/frame.h"
 
-#include <cmath>
-
+#include "cosim/grains.h"
 #include "cosim/wheel_faces.h"
 #include "dem/archive.h"
 
@@ -15,35 +14,18 @@ void put(std::vector<float>& out, const Vector3d& v) {
 }
 
 std::vector<float> grains(const DemSoil& soil, double hub_x) {
-  const dem::System& system = soil.system();
-  const dem::WorldSettings& world = system.settings();
-  const double period = world.periodic_x ? world.high.x() - world.low.x() : 0.0;
-  const std::vector<dem::Particle> particles = system.particles();
-  const std::vector<dem::Wrench> loads = system.loads();
+  const std::vector<dem::SphereState> spheres = spheres_about(soil, hub_x);
+  const std::vector<SphereMotion> motions = sphere_motions(soil.system());
   std::vector<float> out;
-  for (const dem::SphereState& s : system.spheres()) {
-    const dem::Particle& p = particles[s.particle];
-    const Vector3d velocity = p.velocity + p.angular_velocity.cross(s.center - p.position);
-    Vector3d place = s.center;
-    if (period > 0.0)
-      place.x() += period * std::round((soil.to_bed({hub_x, 0.0, 0.0}).x() - place.x()) / period);
-    put(out, soil.to_rig(place));
-    const double force = s.particle < loads.size() ? loads[s.particle].force.norm() : 0.0;
-    for (const double value : {s.radius, velocity.norm(), force}) out.push_back(static_cast<float>(value));
+  for (std::size_t i = 0; i < spheres.size(); ++i) {
+    put(out, spheres[i].center);
+    for (const double value : {spheres[i].radius, motions[i].speed, motions[i].force})
+      out.push_back(static_cast<float>(value));
   }
   return out;
 }
 
 }  // namespace
-
-std::vector<dem::SphereState> spheres_about(std::vector<dem::SphereState> spheres, const Vector3d& offset,
-                                            double x, double period) {
-  for (dem::SphereState& sphere : spheres) {
-    sphere.center += offset;
-    if (period > 0.0) sphere.center.x() += period * std::round((x - sphere.center.x()) / period);
-  }
-  return spheres;
-}
 
 void write_frame(const std::string& path, const DemContact& contact, const rig::RigStep& step) {
   const wheel::FlexibleWheel& wheel = contact.coupled().wheel();

@@ -13,16 +13,18 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "base/config_path.h"
 #include "base/error.h"
 #include "cosim/dem_settings.h"
-#include "cosim/frame.h"
+#include "cosim/grains.h"
 #include "dem/bed.h"
 #include "nodes/coupled_soil.h"
 #include "nodes/link.h"
@@ -184,7 +186,10 @@ class DemSoilBridge::Impl {
       const ros::WallTime now = ros::WallTime::now();
       if (now < due_ && !at_rest) return;
       due_ = now + ros::WallDuration(1.0 / settings_.rate);
-      show(soil.system(), hub_x, at_rest);
+      const dem::BedSettings& b = settings_.bed;
+      show(
+          soil.system(), [&] { return cosim::spheres_about(soil, hub_x); },
+          b.periodic_x ? hub_x - 0.5 * b.length : -settings_.dem.start_x, at_rest);
     };
     serve_coupled_soil(
         node_, {*settings_.wheel, soil_, soil_.name, settings_.dem, settings_.threads, settings_.patience},
@@ -206,29 +211,34 @@ class DemSoilBridge::Impl {
   void publish() {
     updater_.update();
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (system_) show(*system_, 0.5 * settings_.bed.length - settings_.dem.start_x, false);
+    if (!system_) return;
+    const double begin = settings_.wheel ? -settings_.dem.start_x : 0.0;
+    const auto spheres = [&] {
+      std::vector<dem::SphereState> moved = system_->spheres();
+      for (dem::SphereState& sphere : moved) sphere.center.x() += begin;
+      return moved;
+    };
+    show(*system_, spheres, begin, false);
   }
 
-  /// `hub_x`: place of the wheel in frame `rig`; a periodic bed is drawn about it. `everything`: also for
-  /// viewers that come later.
-  void show(const dem::System& system, double hub_x, bool everything) {
+  /// `spheres`: those of `system` in frame `rig`, along x from `begin` on. `everything`: also for viewers
+  /// that come later.
+  void show(const dem::System& system, const std::function<std::vector<dem::SphereState>()>& spheres,
+            double begin, bool everything) {
+    const bool cloud = everything || cloud_.getNumSubscribers() > 0;
+    const bool surface = everything || heights_.getNumSubscribers() > 0 || rut_.getNumSubscribers() > 0;
+    if (!cloud && !surface) return;
     std_msgs::Header header;
     header.stamp = ros::Time::now();
     header.frame_id = settings_.frame;
+    const std::vector<dem::SphereState> placed = spheres();
+    if (cloud) cloud_.publish(soil_cloud(system, placed, header));
+    if (!surface) return;
     const dem::BedSettings& b = settings_.bed;
-    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
-    if (settings_.wheel) offset.x() = -settings_.dem.start_x;
-    const double period = settings_.wheel && b.periodic_x ? b.length : 0.0;
-    if (everything || cloud_.getNumSubscribers() > 0)
-      cloud_.publish(
-          soil_cloud(system, cosim::spheres_about(system.spheres(), offset, hub_x, period), header));
-    if (!everything && heights_.getNumSubscribers() == 0 && rut_.getNumSubscribers() == 0) return;
-    const double begin = period > 0.0 ? hub_x - 0.5 * period : offset.x();
-    const dem::HeightMap map =
-        height_map(cosim::spheres_about(system.spheres(), offset, hub_x, period),
-                   {{begin, -0.5 * b.width, -b.depth}, {begin + b.length, 0.5 * b.width, 1.0}}, 0.003);
-    heights_.publish(height_cloud(map, Eigen::Vector3d::Zero(), header));
-    rut_.publish(rut_profile(map, settings_.rut_half_width, Eigen::Vector3d::Zero(), header));
+    const dem::HeightMap map = height_map(
+        placed, {{begin, -0.5 * b.width, -b.depth}, {begin + b.length, 0.5 * b.width, 1.0}}, 0.003);
+    heights_.publish(height_cloud(map, header));
+    rut_.publish(rut_profile(map, settings_.rut_half_width, header));
   }
 
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <vector>
 
+#include "cosim/grains.h"
+
 namespace wheel_twin::nodes {
 namespace {
 
@@ -42,37 +44,29 @@ void put(sensor_msgs::PointCloud2& cloud, std::size_t point, std::initializer_li
 
 sensor_msgs::PointCloud2 soil_cloud(const dem::System& system, const std::vector<dem::SphereState>& spheres,
                                     const std_msgs::Header& header) {
-  const std::vector<dem::SphereState> places = system.spheres();
-  const std::vector<dem::Particle> particles = system.particles();
-  const std::vector<dem::Wrench> loads = system.loads();
+  const std::vector<cosim::SphereMotion> motions = cosim::sphere_motions(system);
   sensor_msgs::PointCloud2 cloud =
       float_cloud({"x", "y", "z", "radius", "speed", "force"}, spheres.size(), 1, header);
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const dem::SphereState& s = spheres[i];
-    const dem::Particle& p = particles[s.particle];
-    const Eigen::Vector3d velocity = p.velocity + p.angular_velocity.cross(places[i].center - p.position);
-    const double force = s.particle < loads.size() ? loads[s.particle].force.norm() : 0.0;
-    const Eigen::Vector3d& x = s.center;
-    put(cloud, i, {x.x(), x.y(), x.z(), s.radius, velocity.norm(), force});
+    const Eigen::Vector3d& x = spheres[i].center;
+    put(cloud, i, {x.x(), x.y(), x.z(), spheres[i].radius, motions[i].speed, motions[i].force});
   }
   cloud.is_dense = 1;
   return cloud;
 }
 
-sensor_msgs::PointCloud2 height_cloud(const dem::HeightMap& map, const Eigen::Vector3d& offset,
-                                      const std_msgs::Header& header) {
+sensor_msgs::PointCloud2 height_cloud(const dem::HeightMap& map, const std_msgs::Header& header) {
   sensor_msgs::PointCloud2 cloud = float_cloud({"x", "y", "z"}, map.columns, map.rows, header);
   for (int row = 0; row < map.rows; ++row)
     for (int column = 0; column < map.columns; ++column)
       put(cloud, static_cast<std::size_t>(row) * map.columns + column,
-          {map.x + column * map.spacing + offset.x(), map.y + row * map.spacing + offset.y(),
-           map.at(column, row) + offset.z()});
+          {map.x + column * map.spacing, map.y + row * map.spacing, map.at(column, row)});
   cloud.is_dense = 0;
   return cloud;
 }
 
 visualization_msgs::Marker rut_profile(const dem::HeightMap& map, double half_width,
-                                       const Eigen::Vector3d& offset, const std_msgs::Header& header) {
+                                       const std_msgs::Header& header) {
   visualization_msgs::Marker line;
   line.header = header;
   line.ns = "rut";
@@ -94,9 +88,8 @@ visualization_msgs::Marker rut_profile(const dem::HeightMap& map, double half_wi
     }
     if (count == 0) continue;
     geometry_msgs::Point point;
-    point.x = map.x + column * map.spacing + offset.x();
-    point.y = offset.y();
-    point.z = sum / count + offset.z();
+    point.x = map.x + column * map.spacing;
+    point.z = sum / count;
     line.points.push_back(point);
   }
   return line;

@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 #include "cosim/dem_contact.h"
-#include "cosim/frame.h"
+#include "cosim/grains.h"
 #include "small_rig.h"
 
 namespace wheel_twin::cosim {
@@ -318,14 +318,25 @@ TEST(CoupledContact, WhatGrainsDoByThemselvesIsRefused) {
   EXPECT_THROW(SmallRun(1, false, test::small_wheel(), ports), Error);
 }
 
-TEST(Frame, APeriodicBedIsDrawnAboutTheWheel) {
-  std::vector<dem::SphereState> spheres(2);
-  spheres[0].center = {0.01, 0.0, -0.01};
-  spheres[1].center = {0.45, 0.0, -0.01};
-  const auto moved = spheres_about(spheres, Vector3d(-0.12, 0.0, 0.0), 1.0, 0.48);
-  EXPECT_NEAR(moved[0].center.x(), -0.11 + 2 * 0.48, 1e-12);
-  EXPECT_NEAR(moved[1].center.x(), 0.33 + 0.48, 1e-12);
-  EXPECT_NEAR(spheres_about(spheres, Vector3d(-0.12, 0.0, 0.0), 1.0, 0.0)[1].center.x(), 0.33, 1e-12);
+TEST(Grains, APeriodicBedIsDrawnAboutTheWheel) {
+  const Slope slope;
+  rig::Ports tilted;
+  tilted.soil.push_back(&slope);
+  for (const rig::Ports& ports : {rig::Ports{}, tilted}) {
+    const SmallRun run(1, false, test::small_wheel(), ports);
+    const double length = test::small_bed().settings.length;
+    const double hub = run.dem.to_bed({1.0, 0.0, 0.0}).x();
+    const std::vector<dem::SphereState> spheres = run.dem.system().spheres();
+    const std::vector<dem::SphereState> drawn = spheres_about(run.dem, 1.0);
+    ASSERT_EQ(drawn.size(), spheres.size());
+    for (std::size_t i = 0; i < drawn.size(); ++i) {
+      const Vector3d place = run.dem.to_bed(drawn[i].center);
+      const Vector3d moved = place - spheres[i].center;
+      EXPECT_LE(std::abs(place.x() - hub), 0.5 * length + 1e-12);
+      EXPECT_NEAR(std::remainder(moved.x(), length), 0.0, 1e-12);
+      EXPECT_NEAR(moved.tail<2>().norm(), 0.0, 1e-12);
+    }
+  }
 }
 
 TEST(CoupledContact, AnUnevenStepIsRefused) {
