@@ -5,15 +5,15 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "base/atomic_file.h"
 #include "base/config_path.h"
 #include "base/error.h"
 #include "base/progress.h"
 #include "cli/commands.h"
+#include "cosim/emergent.h"
 #include "cosim/frame.h"
-#include "effects/catalogue.h"
+#include "effects/acting.h"
 #include "logs/bag_writer.h"
 #include "logs/experiment.h"
 #include "twin/dem_rig.h"
@@ -24,7 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Effects = std::vector<std::unique_ptr<effects::Effect>>;
 
 constexpr double degree = 3.14159265358979323846 / 180.0;
 
@@ -49,27 +48,6 @@ struct Options {
   bool dwell_given = false;
   bool duration_given = false;
 };
-
-/// "slide_friction:coulomb_force=3.5" or "ft_drift:rate_x=0.01,rate_y=0,rate_z=0".
-std::unique_ptr<effects::Effect> parse_effect(const std::string& text) {
-  const std::size_t colon = text.find(':');
-  const effects::EffectType& type = effects::find_effect(text.substr(0, colon));
-  std::vector<double> values;
-  for (const auto& parameter : type.parameters) values.push_back(parameter.neutral);
-  std::istringstream list(colon == std::string::npos ? "" : text.substr(colon + 1));
-  for (std::string item; std::getline(list, item, ',');) {
-    const std::size_t equals = item.find('=');
-    const std::string name = item.substr(0, equals);
-    std::size_t index = 0;
-    while (index < type.parameters.size() && type.parameters[index].name != name) ++index;
-    if (index == type.parameters.size())
-      throw Error(fmt::format("effect {}: it has no parameter '{}'", type.name, name));
-    const std::string number = equals == std::string::npos ? "" : item.substr(equals + 1);
-    if (!CLI::detail::lexical_cast(number, values[index]))
-      throw Error(fmt::format("effect {}: {} is not a number: '{}'", type.name, name, number));
-  }
-  return effects::make_effect(type, values);
-}
 
 Json summary_of(const Options& options, const rig::RunSettings& run, const twin::VirtualRig& loaded,
                 const rig::RunSummary& summary, const std::string& bag) {
@@ -287,20 +265,19 @@ void run_experiment(const Options& options, const rig::Ports& ports) {
 }
 
 void run(const Options& options) {
-  Effects list;
-  rig::Ports ports;
-  for (const std::string& text : options.effects) {
-    list.push_back(parse_effect(text));
-    list.back()->attach(ports);
-  }
+  const effects::Acting acting = effects::read_effects(options.effects, [&](const rig::Ports& ports) {
+    if (options.fidelity != "dem") return;
+    cosim::refuse_what_emerges(ports.soil);
+    cosim::refuse_what_emerges(ports.wheel);
+  });
   if (!options.experiment.empty()) {
-    run_experiment(options, ports);
+    run_experiment(options, acting.ports);
     return;
   }
   const twin::VirtualRig loaded = twin::load_virtual_rig(options.names);
   if (fs::path(options.out).extension() != ".bag")
     throw Error(fmt::format("{}: --out must end in .bag", options.out));
-  run_once(options, loaded, settings_of(options, loaded), ports, options.out);
+  run_once(options, loaded, settings_of(options, loaded), acting.ports, options.out);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "cosim/emergent.h"
 #include "cosim/wheel_faces.h"
 #include "rig/speeds.h"
 
@@ -50,13 +51,7 @@ CoupledContact::CoupledContact(const wheel::WheelModel& model, SoilSide& soil, r
   radius_ = rim_radius(wheel_);
   loads_.resize(static_cast<std::size_t>(wheel_.segment_count()));
   segments_.resize(loads_.size());
-  rig::RigState rolling;
-  rolling.wheel_rate = 1.0;
-  for (const rig::WheelPort* port : ports_.wheel) {
-    if (port->rolling_resistance(rolling) != 0.0)
-      throw Error(
-          "fidelity dem: a flexing resistance of the wheel comes out of its dampers: leave the effect out");
-  }
+  refuse_what_emerges(ports_.wheel);
   if (soil_.time_step() > wheel_.stable_step() * model.max_substeps)
     throw Error(fmt::format(
         "wheel '{}': the soil's step of {:.3g} s is beyond its stability limit of {:.3g} s in {} sub-steps",

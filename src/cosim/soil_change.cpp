@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "cosim/emergent.h"
 
 namespace wheel_twin::cosim {
 namespace {
@@ -42,31 +43,13 @@ struct Asked {
   }
 };
 
-/// Soil that answers to the wheel's slip is what grains do by themselves.
-void refuse_what_emerges(const std::vector<const rig::SoilPort*>& ports) {
-  for (const double slip : {0.5, -0.5}) {
-    rig::RigState state = Asked::state_at(0.0);
-    state.slip = slip;
-    state.rim_travel = 1.0;
-    state.carriage_speed = 0.01;
-    state.hub_displacement = 0.01;
-    rig::RigState rolling = state;
-    rolling.slip = 0.0;
-    for (const rig::SoilPort* port : ports) {
-      if (port->sinkage_factor(state) != 1.0 ||
-          port->stiffness_factor(state) != port->stiffness_factor(rolling) ||
-          port->added_force(state, 40.0) != port->added_force(rolling, 40.0))
-        throw Error(
-            "fidelity dem: an effect makes soil answer to the wheel's slip, which grains do by themselves: "
-            "leave it out");
-    }
-  }
-}
-
 /// Energy density of the attraction that gives the bed a cohesion, J/m^3. Rumpf: sigma_t = phi Z F / (pi d^2)
 /// with the force F of a contact, whose area at the overlap of the bed's own weight at `depth` is
 /// 2 pi R delta.
 double attraction(const dem::GranularSoil& soil, const dem::Bed& bed, double cohesion) {
+  if (!(bed.report.coordination.per_clump > 0.0))
+    throw Error(
+        "fidelity dem: an effect adds cohesion to a bed too small to count the contacts of its grains");
   const double radius = soil.clumps.smallest_radius() / soil.clumps.smallest_size;
   const double diameter = std::cbrt(6.0 * soil.clumps.mean_volume() / M_PI);
   const double tensile = cohesion / soil.grain_grain.friction;

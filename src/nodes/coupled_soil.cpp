@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "cosim/checkpoint.h"
 #include "cosim/dem_contact.h"
+#include "cosim/emergent.h"
+#include "effects/acting.h"
 #include "nodes/answerer.h"
 #include "nodes/coupling_conversion.h"
 #include "nodes/patience.h"
@@ -29,8 +31,10 @@ class Soil final : public Answerer<SegmentMotion, SegmentLoads> {
     const wheel::FlexibleWheel wheel(settings_.model);
     if (question.text != cosim::wheel_fingerprint(wheel))
       throw Error(fmt::format("the wheel has other faces than '{}' here", settings_.model.name));
-    soil_.emplace(cosim::soil_under(settings_.model, settings_.soil, hooks_.bed(), settings_.dem, {},
-                                    settings_.threads));
+    const effects::Acting acting = effects::read_effects(
+        question.effects, [](const rig::Ports& ports) { cosim::refuse_what_emerges(ports.soil); });
+    soil_.emplace(cosim::soil_under(settings_.model, settings_.soil, hooks_.bed(), settings_.dem,
+                                    acting.ports, settings_.threads));
     answer.soil = settings_.soil_name;
     answer.settings = settings_.dem.name;
     answer.clearance = cosim::start_clearance(*soil_, wheel);

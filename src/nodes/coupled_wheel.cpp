@@ -9,6 +9,8 @@
 #include "base/error.h"
 #include "cosim/checkpoint.h"
 #include "cosim/coupled_contact.h"
+#include "cosim/emergent.h"
+#include "effects/acting.h"
 #include "nodes/answerer.h"
 #include "nodes/asker.h"
 #include "nodes/coupling_conversion.h"
@@ -26,10 +28,12 @@ class RemoteSoil final : public cosim::SoilSide {
       : soil_(node, "wheel/segments", "soil/segment_loads", "dem_soil", "dem_soil: ", std::move(quit)),
         patience_(settings.patience) {}
 
-  Answer open(std::uint64_t run, const std::string& fingerprint, std::vector<std::uint8_t> state) {
+  Answer open(std::uint64_t run, const std::string& fingerprint, const std::vector<std::string>& effects,
+              std::vector<std::uint8_t> state) {
     soil_.begin(run, patience_);
     const auto question = soil_.question(SegmentMotion::OPEN);
     question->text = fingerprint;
+    question->effects = effects;
     question->state = std::move(state);
     const Answer answer = soil_.ask(question, bed_patience(patience_));
     time_step_ = answer->time_step;
@@ -76,6 +80,8 @@ class Wheel final : public Answerer<HubMotion, HubLoad> {
 
  private:
   void open(const HubMotion& question, HubLoad& answer) override {
+    acting_ = effects::read_effects(question.effects,
+                                    [](const rig::Ports& ports) { cosim::refuse_what_emerges(ports.wheel); });
     std::optional<cosim::CouplingState> resumed;
     std::vector<std::uint8_t> state;
     const wheel::FlexibleWheel wheel(settings_.model);
@@ -84,8 +90,9 @@ class Wheel final : public Answerer<HubMotion, HubLoad> {
       resumed = cosim::load_coupling(archive, question.text, static_cast<std::size_t>(wheel.segment_count()));
       state = dem::archive_bytes(cosim::checkpoint_kind, archive);
     }
-    const auto opened = soil_.open(question.run, cosim::wheel_fingerprint(wheel), std::move(state));
-    contact_ = std::make_unique<cosim::CoupledContact>(settings_.model, soil_);
+    const auto opened =
+        soil_.open(question.run, cosim::wheel_fingerprint(wheel), question.effects, std::move(state));
+    contact_ = std::make_unique<cosim::CoupledContact>(settings_.model, soil_, acting_.ports);
     if (resumed) contact_->resume(std::move(*resumed));
     answer.wheel = settings_.model.name;
     answer.soil = opened->soil;
@@ -119,6 +126,7 @@ class Wheel final : public Answerer<HubMotion, HubLoad> {
   const CoupledWheelSettings& settings_;
   const CoupledWheelHooks& hooks_;
   RemoteSoil soil_;
+  effects::Acting acting_;  // outlives the contact
   std::unique_ptr<cosim::CoupledContact> contact_;
 };
 

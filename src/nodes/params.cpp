@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 #include "base/error.h"
@@ -98,6 +100,11 @@ std::string Params::choice(const std::string& key, const std::string& fallback,
   if (allowed.count(chosen) == 0)
     fail(key, fmt::format("'{}' is none of {}", chosen, fmt::join(allowed, ", ")));
   return chosen;
+}
+
+std::vector<std::string> Params::words(const std::string& key) {
+  std::istringstream parts(text(key, ""));
+  return {std::istream_iterator<std::string>(parts), {}};
 }
 
 std::string Params::absolute_path(const std::string& key) {

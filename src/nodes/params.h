@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "base/yaml.h"
 
@@ -32,6 +33,7 @@ class Params {
   std::string text(const std::string& key, const std::string& fallback);
   std::string choice(const std::string& key, const std::string& fallback,
                      const std::set<std::string>& allowed);
+  std::vector<std::string> words(const std::string& key);  ///< a text's parts between blanks
   /// Empty when it is not set. Under roslaunch a node has no working directory of its own: a relative path is
   /// refused.
   std::string absolute_path(const std::string& key);

@@ -16,10 +16,12 @@ RemoteWheel::~RemoteWheel() {
   close("virtual_rig ends");
 }
 
-RemoteWheel::Opening RemoteWheel::open(const std::string& checkpoint) {
+RemoteWheel::Opening RemoteWheel::open(const std::string& checkpoint,
+                                       const std::vector<std::string>& effects) {
   wheel_.begin(ros::WallTime::now().toNSec(), patience_);
   const auto question = wheel_.question(HubMotion::OPEN);
   question->text = checkpoint;
+  question->effects = effects;
   const auto answer = wheel_.ask(question, bed_patience(patience_));
   return {answer->wheel, answer->soil, answer->settings, answer->clearance};
 }

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "nodes/asker.h"
 #include "rig/contact.h"
@@ -24,8 +25,9 @@ class RemoteWheel final : public rig::Contact {
     double clearance = 0.0;             ///< height of the hub at which a run can start, m
   };
   /// Begins a run, on the untouched bed or from a checkpoint (a file of the wheel's machine; empty: none).
-  /// The bed may have to be made first, which takes minutes.
-  Opening open(const std::string& checkpoint);
+  /// `effects` (effects/acting.h) act on wheel and soil there. The bed may have to be made first, which takes
+  /// minutes.
+  Opening open(const std::string& checkpoint, const std::vector<std::string>& effects);
 
   /// All throw Error naming the side and the step when wheel or soil fail, are gone or stall, NodeEnds when
   /// the node ends.

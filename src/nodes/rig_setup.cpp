@@ -62,8 +62,8 @@ void take_twin(RigSetup& setup, const std::string& path) {
   std::replace(setup.title.begin(), setup.title.end(), '_', ' ');
 }
 
-std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup) {
-  return twin::make_contact("semi_empirical", setup.wheel, setup.soil, {});
+std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup, const rig::Ports& ports) {
+  return twin::make_contact("semi_empirical", setup.wheel, setup.soil, ports);
 }
 
 }  // namespace wheel_twin::nodes

@@ -32,7 +32,8 @@ RigSetup read_rig_setup(Params& params);
 /// top.
 void take_twin(RigSetup& setup, const std::string& path);
 
-/// The semi-empirical soil and wheel that carry the rig. Throws Error when they make no model.
-std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup);
+/// The semi-empirical soil and wheel that carry the rig. What `ports` point to must outlive it. Throws Error
+/// when they make no model.
+std::unique_ptr<rig::Contact> make_contact(const RigSetup& setup, const rig::Ports& ports);
 
 }  // namespace wheel_twin::nodes

@@ -19,8 +19,10 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "base/error.h"
+#include "effects/acting.h"
 #include "nodes/live_run.h"
 #include "nodes/msg_conversion.h"
 #include "nodes/pacer.h"
@@ -38,6 +40,7 @@ constexpr double patience = 0.02;     // wall s that one piece may take
 
 struct Settings {
   RigSetup setup;
+  std::vector<std::string> effects;
   std::string bag;
   std::string frame;
   double real_time_factor = 1.0;
@@ -55,6 +58,7 @@ Settings read_settings(const ros::NodeHandle& node) {
   Params params = params_of(node);
   Settings s;
   s.setup = read_rig_setup(params);
+  s.effects = params.words("effects");
   s.bag = params.absolute_path("bag");
   s.frame = params.text("frame_id", "ft_sensor");
   s.real_time_factor = params.number("real_time_factor", 1.0, {0.0, 1e6});
@@ -99,6 +103,7 @@ class VirtualRigBridge::Impl {
  public:
   Impl(const ros::NodeHandle& node, const ros::NodeHandle& private_node)
       : settings_(read_settings(private_node)),
+        acting_(effects::read_effects(settings_.effects)),
         node_(node),
         pacer_(settings_.real_time_factor),
         view_(node, settings_.setup.wheel, settings_.setup.soil, "rig/labels", !settings_.setup.dem),
@@ -231,7 +236,7 @@ class VirtualRigBridge::Impl {
     const RigSetup& setup = settings_.setup;
     set_status("preparing");
     const RemoteWheel::Opening opening =
-        remote_->open(settings_.resume && runs_ == 0 ? settings_.checkpoint : "");
+        remote_->open(settings_.resume && runs_ == 0 ? settings_.checkpoint : "", settings_.effects);
     const auto same = [](const char* what, const std::string& there, const std::string& here) {
       if (there != here)
         throw Error(fmt::format("{} '{}' in the co-simulation, '{}' on the rig", what, there, here));
@@ -246,10 +251,10 @@ class VirtualRigBridge::Impl {
     rig::RunSettings settings = settings_.setup.run;
     settings.epoch = epoch();
     std::unique_ptr<rig::Contact> fast;
-    if (!remote_) fast = make_contact(settings_.setup);
+    if (!remote_) fast = make_contact(settings_.setup, acting_.ports);
     try {
       if (remote_) open_remote(settings);
-      LiveRun run(settings, remote_ ? *remote_ : *fast, {}, next_bag());
+      LiveRun run(settings, remote_ ? *remote_ : *fast, acting_.ports, next_bag());
       const ros::WallTime begin = ros::WallTime::now();
       drive(settings.epoch, run);
       run.close();
@@ -415,6 +420,7 @@ class VirtualRigBridge::Impl {
   }
 
   Settings settings_;
+  effects::Acting acting_;  // of these what acts on rig and sensors; all of them when the contact is here
   ros::NodeHandle node_;
   Pacer pacer_;
   RigView view_;

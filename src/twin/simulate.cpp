@@ -71,10 +71,8 @@ std::optional<double> resting_displacement(const RunGrid& grid) {
 
 Acting acting_effects(const TwinConfig& model) {
   Acting acting;
-  for (const EffectSetting& setting : model.effects) {
-    acting.effects.push_back(effects::make_effect(effects::find_effect(setting.name), setting.values));
-    acting.effects.back()->attach(acting.ports);
-  }
+  for (const EffectSetting& setting : model.effects)
+    acting.add(effects::make_effect(effects::find_effect(setting.name), setting.values));
   return acting;
 }
 

@@ -5,11 +5,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <vector>
 
-#include "effects/effect.h"
+#include "effects/acting.h"
 #include "rig/ports.h"
 #include "twin/run_grid.h"
 #include "twin/twin_config.h"
@@ -24,11 +23,8 @@ struct Unevenness {
   std::uint64_t seed = 1;
 };
 
-/// The effects of a twin at the ports of a rig, as long as this lives.
-struct Acting {
-  std::vector<std::unique_ptr<effects::Effect>> effects;
-  rig::Ports ports;
-};
+using effects::Acting;
+/// The effects of a twin.
 Acting acting_effects(const TwinConfig& model);
 
 using Predicted = Eigen::Matrix<double, channel_rows, Eigen::Dynamic>;

@@ -30,6 +30,21 @@ def side(kind, name, *arguments):
     return Process(program("wheel_twin", kind), f"__name:={name}", *[f"_{argument}" for argument in arguments])
 
 
+# One of each kind: sensor, rig, wheel, soil, and what grains have by themselves.
+EFFECTS = ("ft_gain:gain_x=0.2", "steering_misalignment:angle=0.05", "wheel_eccentricity:amplitude=0.001,phase=0.5",
+           "density_gradient:slope=2.0")
+EMERGENT = "slip_sinkage:gain=0.5,length=0.1"
+
+
+def one_process(bag, *arguments):
+    """The values of the same run by the program `twin`."""
+    subprocess.run([program("wheel_twin", "twin"), "run", "--fidelity", "dem", "--dem", SETTINGS, "--slip", "0.3", "--load",
+                    "42.1", "--threads", "1", *arguments, "--out", bag], check=True, timeout=LIMIT)
+    content = plain(read(bag))
+    assert set(content) == set(TOPICS)
+    return content
+
+
 class Sides:
     """The three processes of a run, each with parameters of its own."""
 
@@ -57,29 +72,48 @@ class Cosim(unittest.TestCase):
     def setUpClass(cls):
         os.environ["WHEEL_TWIN_CACHE"] = CACHE
         cls.folder = tempfile.mkdtemp(dir=os.environ["ROS_HOME"])
-        bag = os.path.join(cls.folder, "one_process.bag")
-        subprocess.run([program("wheel_twin", "twin"), "run", "--fidelity", "dem", "--dem", SETTINGS, "--slip", "0.3", "--load",
-                        "42.1", "--threads", "1", "--out", bag], check=True, timeout=LIMIT)
-        cls.reference = plain(read(bag))
-        assert set(cls.reference) == set(TOPICS)
+        cls.reference = one_process(os.path.join(cls.folder, "one_process.bag"))
 
     def path(self, name):
         return os.path.join(self.folder, name)
 
-    def assert_as_in_one_process(self, bag):
+    def assert_as_in_one_process(self, bag, reference=None):
         content = plain(read(bag))
         for topic in TOPICS:
-            self.assertEqual(content[topic], self.reference[topic], topic)
+            self.assertEqual(content[topic], (reference or self.reference)[topic], topic)
+
+    def launched(self, nodelets, *arguments):
+        """The bag of a run by the launch file."""
+        bag = self.path(f"nodelets_{nodelets}_{len(arguments)}.bag")
+        status = Collector("/rig/status", String)
+        with launch("virtual_rig.launch", "fidelity:=dem", f"dem:={SETTINGS}", "threads:=1", "slip:=0.3", "load:=42.1",
+                    "real_time_factor:=0", f"bag:={bag}", f"nodelets:={nodelets}", *arguments):
+            status.wait_for_text("finished")
+        status.close()
+        return bag
 
     def test_the_same_numbers_as_in_one_process(self):
         for nodelets in ("true", "false"):
-            bag = self.path(f"nodelets_{nodelets}.bag")
-            status = Collector("/rig/status", String)
-            with launch("virtual_rig.launch", "fidelity:=dem", f"dem:={SETTINGS}", "threads:=1", "slip:=0.3", "load:=42.1",
-                        "real_time_factor:=0", f"bag:={bag}", f"nodelets:={nodelets}"):
-                status.wait_for_text("finished")
-            status.close()
-            self.assert_as_in_one_process(bag)
+            self.assert_as_in_one_process(self.launched(nodelets))
+
+    def test_every_effect_acts_where_it_belongs(self):
+        for effect in EFFECTS:
+            alone = one_process(self.path("effect.bag"), "--effect", effect)
+            self.assertNotEqual(alone["/ft_sensor/wrench"], self.reference["/ft_sensor/wrench"], effect)
+        reference = one_process(self.path("effects.bag"), *[word for effect in EFFECTS for word in ("--effect", effect)])
+        for nodelets in ("true", "false"):
+            self.assert_as_in_one_process(self.launched(nodelets, "effects:=" + " ".join(EFFECTS)), reference)
+
+    def test_what_grains_do_by_themselves_is_refused_by_the_soil(self):
+        status = Collector("/rig/status", String)
+        with Sides("emergent", self.path("emergent.bag"), f"effects:={EFFECTS[0]} {EMERGENT}") as sides:
+            status.wait_for_text("failed")
+        status.close()
+        for process in (sides.soil, sides.wheel, sides.rig):
+            lines = sides.lines(process, "")
+            self.assertEqual(len(lines), 1, lines)
+            self.assertIn("effect slip_sinkage: fidelity dem: ", lines[0])
+        self.assertIn("dem_soil: effect", sides.lines(sides.rig, "")[0])
 
     def cut_short(self, tag, end, patience="30.0"):
         """Lets `end` act on the sides while the run is under way; the bag and what the sides said."""

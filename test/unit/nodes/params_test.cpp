@@ -31,6 +31,16 @@ TEST(Params, ReadsNumbersOfEveryKind) {
   EXPECT_EQ(params.integer("whole", 1, 0, 10), 3);
 }
 
+TEST(Params, PartsATextAtItsBlanks) {
+  XmlRpcValue v;
+  v["several"] = std::string("  a:b=1,c=2 d ");
+  v["none"] = std::string(" ");
+  Params params(v, "/rig");
+  EXPECT_THAT(params.words("several"), testing::ElementsAre("a:b=1,c=2", "d"));
+  EXPECT_TRUE(params.words("none").empty());
+  EXPECT_TRUE(params.words("absent").empty());
+}
+
 TEST(Params, RefusesWhatIsNotANumberInsteadOfTakingTheDefault) {
   Params params(values(), "/rig");
   EXPECT_THAT(message_of([&] { params.number("word", 1.0); }),
