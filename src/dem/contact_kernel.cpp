@@ -229,6 +229,8 @@ ContactResult EvaluateWallsOf(const WallTask& task) {
   ContactResult result;
   for (std::size_t at = 0; at < contacts.size; at += lanes) {
     const std::uint32_t* i = contacts.sphere.data() + at;
+    for (std::size_t k = kAhead / 2; k < kAhead / 2 + lanes && at + k < contacts.size; ++k)
+      hwy::Prefetch(loads + body[i[k]]);
     const SphereLanes a = LoadSpheres(rows, i);
     const VD distance = hn::LoadU(d, contacts.distance.data() + at);
     const Vector3<VD> normal = vector(contacts.normal, at);

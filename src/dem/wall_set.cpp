@@ -341,7 +341,7 @@ void WallSet::collect(std::size_t t, const Spheres& spheres, const Period& perio
   chosen.clear();
   where.clear();
   std::size_t old = 0;
-  constexpr std::size_t ahead = 8;
+  constexpr std::size_t ahead = 32;
   for (std::size_t begin = 0; begin < thread.inner.size();) {
     if (begin + ahead < thread.inner.size())
       hwy::Prefetch(spheres.row.data() + thread.inner[begin + ahead].sphere);
