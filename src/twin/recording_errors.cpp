@@ -336,6 +336,47 @@ void leave_out_what_stands_still(const std::vector<RunGrid*>& runs, std::vector<
                             found.back().what));
 }
 
+/// Takes out what a sensor cut off at the end of its range: runs of different slip stand together at the
+/// largest value (with `sign` -1: the smallest) of all, as nothing that fluctuates does.
+void leave_out_what_is_cut_off(const std::vector<RunGrid*>& runs, Channel channel, double sign,
+                               std::vector<RecordingError>& found) {
+  constexpr double band = 0.01;   // of the range of values
+  constexpr double mostly = 0.6;  // of the bins of a run
+  constexpr double other_slip = 0.05;
+  double most = -std::numeric_limits<double>::infinity(), least = -most;
+  const auto for_moving = [&](const RunGrid& run, const auto& act) {
+    for (int i = 0; i < run.bins(); ++i) {
+      const double value = sign * run.measured(index_of(channel), i);
+      if (run.moving[static_cast<std::size_t>(i)] && std::isfinite(value)) act(i, value);
+    }
+  };
+  for (const RunGrid* run : runs)
+    for_moving(*run,
+               [&](int, double value) { most = std::max(most, value), least = std::min(least, value); });
+  const double edge = most - band * (most - least);
+  std::vector<RunGrid*> cut;
+  double lowest_slip = 1.0, highest_slip = -1.0;
+  for (RunGrid* run : runs) {
+    int all = 0, at_edge = 0;
+    for_moving(*run, [&](int, double value) { ++all, at_edge += value >= edge ? 1 : 0; });
+    if (all < 12 || at_edge < mostly * all) continue;
+    cut.push_back(run);
+    lowest_slip = std::min(lowest_slip, typical_slip(*run));
+    highest_slip = std::max(highest_slip, typical_slip(*run));
+  }
+  if (cut.size() < 2 || highest_slip - lowest_slip < other_slip) return;
+  for (RunGrid* run : runs) {
+    std::vector<int> bins;
+    for_moving(*run, [&](int i, double value) {
+      if (value >= edge) bins.push_back(i);
+    });
+    for (const int i : bins) run->measured(index_of(channel), i) = nan;
+  }
+  found.push_back({fmt::format("{} is cut off at {:.4g} {}", name_of(channel),
+                               shown_factor(channel) * sign * most, shown_unit_of(channel)),
+                   names_of(cut)});
+}
+
 }  // namespace
 
 std::vector<RecordingError> put_right(const std::vector<RunGrid*>& runs, const TwinConfig& declared) {
@@ -343,6 +384,8 @@ std::vector<RecordingError> put_right(const std::vector<RunGrid*>& runs, const T
   if (runs.empty()) return found;
   put_motion_right(runs, declared.wheel.radius, found);
   leave_out_what_stands_still(runs, found);
+  for (const Channel channel : all_channels)
+    for (const double sign : {1.0, -1.0}) leave_out_what_is_cut_off(runs, channel, sign, found);
   try {
     put_channels_right(runs, declared, found);
   } catch (const Error&) {

@@ -167,6 +167,19 @@ TEST_F(Recording, AChannelThatStandsStillIsLeftOut) {
   EXPECT_FALSE(grids.front().has(Channel::drawbar_pull));
 }
 
+TEST_F(Recording, WhatASensorCutsOffIsLeftOut) {
+  const double cut =
+      0.5 * grids[3].measured.row(0).tail(60).mean() + 0.5 * grids[2].measured.row(0).tail(60).mean();
+  const Told told = told_after([&](RunGrid& g) {
+    for (int i = 0; i < g.bins(); ++i)
+      if (g.measured(0, i) > cut) g.measured(0, i) = cut - 1e-4 * (i % 7);
+  });
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].find("drawbar_pull is cut off at"), 0U) << told[0];
+  EXPECT_FALSE(grids[4].measured.row(0).tail(40).array().isFinite().any());
+  EXPECT_TRUE(grids[0].measured.row(0).tail(40).array().isFinite().all());
+}
+
 TEST_F(Recording, ALogWithEveryChannelSaturatedIsRefused) {
   EXPECT_THROW(told_after([](RunGrid& g) {
                  for (int c = 0; c < channel_rows; ++c) g.measured.row(c).setConstant(1.5 + c);
