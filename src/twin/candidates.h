@@ -35,6 +35,13 @@ struct Evidence {
   }
 };
 
+/// What the calibrated soil's uncertainty does to a candidate's residuals (soil_doubt.h): D^T D and D^T r.
+/// Empty: not known.
+struct Doubt {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd slope;
+};
+
 struct Candidate {
   std::vector<std::string> effects;  ///< names; empty: nothing acts
   std::vector<std::vector<double>> values;
@@ -45,7 +52,8 @@ struct Candidate {
   bool fluctuates = false;  ///< it changes how much channels fluctuate, and is simulated on an uneven bed
   double chi_square = 0.0;  ///< of all residuals, time courses, fluctuations and lags
   std::vector<double> run_chi_square;  ///< by run
-  double score = 0.0;                  ///< log evidence: -chi_square / 2 less a price for each parameter
+  Doubt doubt;
+  double score = 0.0;  ///< log evidence: -chi_square / 2 less a price for each parameter
   int parameters = 0;
 };
 

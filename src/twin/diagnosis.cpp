@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/error.h"
 #include "effects/catalogue.h"
 #include "twin/clock_lag.h"
+#include "twin/common_course.h"
 #include "twin/errors_left.h"
 #include "twin/residual_text.h"
+#include "twin/soil_doubt.h"
 #include "twin/steady_diagnosis.h"
 #include "twin/steady_runs.h"
 #include "twin/tracing.h"
@@ -23,11 +26,14 @@ constexpr double mostly_explained = 0.9;  // of the chi-square above what noise 
 constexpr double never_explained = 6.0;   // error after over noise floor
 constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
 constexpr double least_share = 0.05;      // of it that a second effect must explain
+constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
+constexpr double certain = 0.01;          // probability of that by chance
 constexpr int fewest_steady_bins = 12;    // of a run
 constexpr double lag_tolerance = 0.1;     // s, between runs of one clock
 constexpr double lag_error = 0.02;        // s, of one run
 constexpr double own_lag = 0.05;          // s, that wire and wrench may have without a clock being late
 constexpr std::size_t refined = 8;        // candidates that are listed
+constexpr std::size_t listed_pairs = 4;
 
 double bin_for(const logs::Experiment& experiment) {
   const double rate = std::min(experiment.ft ? experiment.ft->rate : 100.0,
@@ -132,6 +138,20 @@ std::vector<const RunGrid*> usable_runs(const TwinConfig& declared, Diagnosis& d
   return usable;
 }
 
+/// Best score first, the soil's uncertainty in the scores of the first `most`.
+void rank(const Tracing& tracing, std::vector<Candidate>& candidates, const std::optional<SoilDoubt>& doubt,
+          std::size_t most) {
+  const auto by_score = [](const Candidate& x, const Candidate& y) { return x.score > y.score; };
+  for (Candidate& c : candidates) c = tracing.scored(c);
+  std::sort(candidates.begin(), candidates.end(), by_score);
+  if (!doubt) return;
+  for (std::size_t i = 0; i < std::min(most, candidates.size()); ++i) {
+    doubt->add_to(candidates[i]);
+    candidates[i] = tracing.scored(candidates[i]);
+  }
+  std::sort(candidates.begin(), candidates.end(), by_score);
+}
+
 }  // namespace
 
 Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& options) {
@@ -225,9 +245,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
                          [](const Candidate& x, const Candidate& y) { return x.chi_square < y.chi_square; });
     tracing.set_temperature(*lowest);
   }
-  for (Candidate& c : singles) c = tracing.scored(c);
-  std::sort(singles.begin(), singles.end(),
-            [](const Candidate& x, const Candidate& y) { return x.score > y.score; });
+  std::optional<SoilDoubt> doubt;
+  if (calibrated) doubt.emplace(declared, calibration, evidence);
+  rank(tracing, singles, doubt, refined);
   nothing = tracing.scored(nothing);
   d.omnibus = ask_residual(evidence, nothing.model, false);
   std::vector<Candidate> all = singles;
@@ -248,7 +268,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     const Omnibus left = ask_residual(evidence, best.model, best.fluctuates);
     if (left.p < options.false_alarm_rate && worst_ratio(single_errors) > good_enough) {
       std::vector<Candidate> pairs = tracing.every_effect(best);
-      for (Candidate& c : pairs) c = tracing.scored(c);
+      rank(tracing, pairs, doubt, listed_pairs);
       if (!pairs.empty() && pairs.front().score > best.score + 3.0) {
         const double p_pair = corrected(best, pairs.front());
         const double gain = (best.chi_square - pairs.front().chi_square) / excess;
@@ -256,7 +276,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
           best = pairs.front();
           p_best = std::max(p_best, p_pair);
           all.insert(all.end(), pairs.begin(),
-                     pairs.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, pairs.size())));
+                     pairs.begin() + static_cast<std::ptrdiff_t>(std::min(listed_pairs, pairs.size())));
         }
       }
     }
@@ -266,16 +286,18 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const double ratio_held_out =
       held_out.empty() ? 0.0
                        : worst_ratio(errors_of(held_out, nothing.model, best.model, noise_of_runs(held_out)));
+  std::vector<const RunGrid*> all_runs = measured;
+  all_runs.insert(all_runs.end(), held_out.begin(), held_out.end());
+  std::vector<Residual> remainder;
+  for (const RunGrid* run : all_runs) remainder.push_back(residual_of(*run, slow_course(best.model, *run)));
   // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
   std::optional<double> tone;
-  if (sticks(best.model)) {
-    std::vector<Residual> left;
-    for (const RunGrid* run : measured) left.push_back(residual_of(*run, slow_course(best.model, *run)));
-    tone = common_tone(measured, left);
-  }
+  if (sticks(best.model)) tone = common_tone(all_runs, remainder);
+  std::optional<CommonCourse> common = common_course(all_runs, remainder);
+  if (common && (common->p > certain || common->share < plainly_common)) common.reset();
   const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
   const double unexplained =
-      tone || std::max(ratio, ratio_held_out) > never_explained ? 1.0
+      tone || common || std::max(ratio, ratio_held_out) > never_explained ? 1.0
       : (explained > mostly_explained || least_gone(errors) > nearly_gone)
           ? 0.0
           : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
@@ -368,6 +390,14 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
           " Most of what a channel fluctuates by is one tone of {:.3g} Hz, the same in most runs: a machine, "
           "not friction.",
           *tone);
+    if (common)
+      d.evidence += fmt::format(
+          " What {} leaves of {} follows the clock in all runs alike ({:.2g} {} in the root mean square, "
+          "steepest at {:.1f} s, where it changes by {:+.2g} {} in two seconds): something happens then that "
+          "it does not have.",
+          effect_list(best.effects), name_of(common->channel),
+          shown_factor(common->channel) * common->deviation, shown_unit_of(common->channel), common->time,
+          shown_factor(common->channel) * common->change, shown_unit_of(common->channel));
   }
   d.evidence = told(d.recording_errors) + d.evidence;
   return d;

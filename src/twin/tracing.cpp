@@ -1,5 +1,6 @@
 #include "twin/tracing.h"
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -73,6 +74,14 @@ void Tracing::judge_again(Candidate& candidate) const {
 
 Candidate Tracing::scored(Candidate candidate) const {
   candidate.score = -0.5 * candidate.chi_square / temperature_ - price_ * candidate.parameters;
+  const Doubt& doubt = candidate.doubt;
+  if (doubt.slope.size() == 0) return candidate;
+  // Over soils: r^T (T + D D^T)^-1 r + ln det (1 + D^T D / T) with the temperature T instead of r^T r / T.
+  const Eigen::MatrixXd inner =
+      Eigen::MatrixXd::Identity(doubt.slope.size(), doubt.slope.size()) + doubt.information / temperature_;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(inner);
+  candidate.score += 0.5 * doubt.slope.dot(solver.solve(doubt.slope)) / (temperature_ * temperature_) -
+                     0.5 * solver.vectorD().array().log().sum();
   return candidate;
 }
 
