@@ -242,6 +242,18 @@ Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGri
   if (!calibration.fit.usable)
     throw Error(declared.name + ": no soil near the declared one carries the loads of the runs");
   calibration.model = with_baseline(declared, calibration.unknowns, calibration.fit.x);
+  std::string sinking;
+  for (const RunGrid* run : runs) {
+    try {
+      simulate(calibration.model, *run);
+    } catch (const Error&) {
+      sinking += (sinking.empty() ? "" : ", ") + run->name;
+    }
+  }
+  if (!sinking.empty())
+    throw Error(fmt::format(
+        "{}: the soil fitted to the runs lets the wheel sink to its axle in {}, where it was measured above",
+        declared.name, sinking));
   calibration.model.start_up = best_start_up(calibration.model, runs, first);
 
   std::vector<Residual> residuals;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "effects/catalogue.h"
 #include "rig/replay.h"
@@ -76,8 +77,39 @@ Acting acting_effects(const TwinConfig& model) {
   return acting;
 }
 
-Predicted simulate(const TwinConfig& model, const RunGrid& grid,
-                   const std::optional<Unevenness>& unevenness) {
+namespace {
+
+/// The motion with the slip of the nearest moving bin where speeds change. There slip is the ratio of two
+/// vanishing speeds, which can dig a wheel in to its axle that no one measured.
+rig::MotionSeries with_lasting_slip(const RunGrid& grid, double radius) {
+  rig::MotionSeries motion = grid.motion;
+  const int n = grid.bins();
+  std::vector<int> nearest(static_cast<std::size_t>(n), -1);
+  const auto sweep = [&](int begin, int end, int step) {
+    int last = -1;
+    for (int i = begin; i != end; i += step) {
+      const auto k = static_cast<std::size_t>(i);
+      if (grid.moving[k]) last = i;
+      if (last >= 0 && (nearest[k] < 0 || std::abs(i - last) < std::abs(i - nearest[k]))) nearest[k] = last;
+    }
+  };
+  sweep(0, n, 1);
+  sweep(n - 1, -1, -1);
+  for (int i = 0; i < n; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (grid.moving[k] || nearest[k] < 0) continue;
+    const rig::MeasuredMotion& like = grid.motion[static_cast<std::size_t>(nearest[k])];
+    const double fastest = std::max(std::abs(like.carriage_velocity), std::abs(radius * like.wheel_rate));
+    rig::MeasuredMotion& m = motion[k];
+    const double share = std::max(std::abs(m.carriage_velocity), std::abs(radius * m.wheel_rate)) / fastest;
+    m.carriage_velocity = share * like.carriage_velocity;
+    m.wheel_rate = share * like.wheel_rate;
+  }
+  return motion;
+}
+
+Predicted simulate_along(const rig::MotionSeries& motion, const TwinConfig& model, const RunGrid& grid,
+                         const std::optional<Unevenness>& unevenness) {
   Acting acting = acting_effects(model);
   rig::Ports& ports = acting.ports;
   std::optional<UnevenSoil> uneven;
@@ -107,9 +139,9 @@ Predicted simulate(const TwinConfig& model, const RunGrid& grid,
   for (int i = 0; i < n; ++i) {
     since_rest = grid.moving[static_cast<std::size_t>(i)] ? since_rest + 1 : 0;
     for (int k = 1; i > 0 && since_rest < start_bins && k < parts; ++k)
-      replay.update(between(grid.motion[static_cast<std::size_t>(i - 1)],
-                            grid.motion[static_cast<std::size_t>(i)], static_cast<double>(k) / parts));
-    const rig::Readings& r = replay.update(grid.motion[static_cast<std::size_t>(i)]).readings;
+      replay.update(between(motion[static_cast<std::size_t>(i - 1)], motion[static_cast<std::size_t>(i)],
+                            static_cast<double>(k) / parts));
+    const rig::Readings& r = replay.update(motion[static_cast<std::size_t>(i)]).readings;
     predicted.col(i) << r.wrench.force.x(), r.wrench.force.y(), r.wrench.force.z(), r.displacement,
         r.wrench.torque.y(), r.joints.wheel_effort;
   }
@@ -130,6 +162,17 @@ Predicted simulate(const TwinConfig& model, const RunGrid& grid,
       if (grid.moving[static_cast<std::size_t>(i)]) row[i] += correction.at(grid.slip[i], grid.declared.load);
   }
   return predicted;
+}
+
+}  // namespace
+
+Predicted simulate(const TwinConfig& model, const RunGrid& grid,
+                   const std::optional<Unevenness>& unevenness) {
+  try {
+    return simulate_along(grid.motion, model, grid, unevenness);
+  } catch (const Error&) {
+    return simulate_along(with_lasting_slip(grid, model.wheel.radius), model, grid, unevenness);
+  }
 }
 
 Residual residual_of(const RunGrid& grid, const Predicted& predicted) {
