@@ -81,7 +81,8 @@ Calibration calibrate(const Measurements& measured, const CalibrationSettings& s
 struct TestSettings {
   double shear_rate = 0.02;
   double travel = 0.0125;
-  std::size_t heap_clumps = 2000;
+  /// The paper's heap. A smaller one is flatter: 22.6 degrees with 2000 clumps where 8880 have 32.9.
+  std::size_t heap_clumps = 8880;
   int threads = 1;
 };
 Simulate bulk_tests(const dem::GranularSoil& soil, const Measurements& measured,
