@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 
 #include "dem_fixture.h"
 
@@ -103,34 +104,53 @@ TEST(Sleep, WakesAroundAPlateAndFallsAsleepAgain) {
               0.03 * weight(system));
 }
 
+constexpr int kPlaces = 5;
+
+/// Mean force on a plate that goes down, and its variance over five places.
+struct PlateForce {
+  double mean = 0.0, variance = 0.0;
+};
+
+/// `bed_at`: the bed for the place that lies `shift` from the middle.
+PlateForce plate_force(const std::function<System(double shift)>& bed_at) {
+  std::vector<double> forces;
+  for (int place = 0; place < kPlaces; ++place) {
+    const double shift = 0.023 * place;
+    System system = bed_at(shift);
+    const std::uint32_t plate = add_plate(system, 0.05, shift);
+    system.step(3000);
+    double sum = 0.0;
+    for (int k = 0; k < 100; ++k) {
+      system.step(10);
+      sum += system.wall_wrench(plate).force.z() / 100.0;
+    }
+    forces.push_back(sum);
+  }
+  PlateForce force;
+  for (const double f : forces) force.mean += f / kPlaces;
+  for (const double f : forces) force.variance += std::pow(f - force.mean, 2) / (kPlaces - 1);
+  return force;
+}
+
+/// The difference of the means stays below what the scatter over the places allows (Student, 95 %, 8 degrees
+/// of freedom: 2.31).
+void expect_same_mean(const PlateForce& a, const PlateForce& b) {
+  EXPECT_NEAR(b.mean, a.mean, 2.31 * std::sqrt((a.variance + b.variance) / kPlaces))
+      << "scatter " << std::sqrt(a.variance) << " and " << std::sqrt(b.variance);
+}
+
 TEST(Sleep, APlateFeelsTheSameWithAndWithout) {
-  // Five places of the plate; the difference of the means stays below what the scatter over the places allows
-  // (Student, 95 %, 8 degrees of freedom: 2.31).
-  constexpr int kPlaces = 5;
-  double mean[2] = {};
-  double variance[2] = {};
-  for (const bool sleeps : {false, true}) {
-    std::vector<double> forces;
-    for (int place = 0; place < kPlaces; ++place) {
+  const auto bed = [](bool sleeps) {
+    return [sleeps](double /*shift*/) {
       System system = box(sleeps);
       system.restore(settled());
       system.step(2048);
-      const std::uint32_t plate = add_plate(system, 0.05, 0.023 * place);
-      system.step(3000);
-      double sum = 0.0;
-      for (int k = 0; k < 100; ++k) {
-        system.step(10);
-        sum += system.wall_wrench(plate).force.z() / 100.0;
-      }
-      forces.push_back(sum);
-    }
-    for (const double f : forces) mean[sleeps ? 1 : 0] += f / kPlaces;
-    for (const double f : forces)
-      variance[sleeps ? 1 : 0] += std::pow(f - mean[sleeps ? 1 : 0], 2) / (kPlaces - 1);
-  }
-  EXPECT_GT(mean[0], 1.0);  // N
-  EXPECT_NEAR(mean[1], mean[0], 2.31 * std::sqrt((variance[0] + variance[1]) / kPlaces))
-      << "scatter " << std::sqrt(variance[0]) << " and " << std::sqrt(variance[1]);
+      return system;
+    };
+  };
+  const PlateForce awake = plate_force(bed(false));
+  EXPECT_GT(awake.mean, 1.0);  // N
+  expect_same_mean(awake, plate_force(bed(true)));
 }
 
 TEST(Sleep, SameBitsForAnyNumberOfThreadsAndAfterARestart) {
@@ -227,29 +247,14 @@ TEST(Window, HoldsWhatLiesOutsideAndLetsTheRestMove) {
 }
 
 TEST(Window, APlateFeelsTheSameWithAndWithout) {
-  constexpr int kPlaces = 5;
-  double mean[2] = {};
-  double variance[2] = {};
-  for (const bool holds : {false, true}) {
-    std::vector<double> forces;
-    for (int place = 0; place < kPlaces; ++place) {
+  const auto bed = [](bool holds) {
+    return [holds](double shift) {
       System system = windowed();
-      if (holds) system.hold_beyond(kMiddle + 0.023 * place, 0.045);
-      const std::uint32_t plate = add_plate(system, 0.05, 0.023 * place);
-      system.step(3000);
-      double sum = 0.0;
-      for (int k = 0; k < 100; ++k) {
-        system.step(10);
-        sum += system.wall_wrench(plate).force.z() / 100.0;
-      }
-      forces.push_back(sum);
-    }
-    for (const double f : forces) mean[holds ? 1 : 0] += f / kPlaces;
-    for (const double f : forces)
-      variance[holds ? 1 : 0] += std::pow(f - mean[holds ? 1 : 0], 2) / (kPlaces - 1);
-  }
-  EXPECT_NEAR(mean[1], mean[0], 2.31 * std::sqrt((variance[0] + variance[1]) / kPlaces))
-      << "scatter " << std::sqrt(variance[0]) << " and " << std::sqrt(variance[1]);
+      if (holds) system.hold_beyond(kMiddle + shift, 0.045);
+      return system;
+    };
+  };
+  expect_same_mean(plate_force(bed(false)), plate_force(bed(true)));
 }
 
 TEST(Window, SameBitsForAnyNumberOfThreadsAndAfterARestart) {

@@ -25,11 +25,7 @@ namespace {
 using testing::HasSubstr;
 
 TwinConfig some_twin() {
-  TwinConfig twin;
-  twin.wheel.grousers = 16;
-  twin.wheel.grouser_height = 0.007;
-  twin.wheel.stiffness = 24500.0;
-  twin.soil.c1 = 0.2;
+  TwinConfig twin = declared_rig();
   twin.start_up = 0.2;
   return twin;
 }

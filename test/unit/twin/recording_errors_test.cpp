@@ -14,15 +14,6 @@
 namespace wheel_twin::twin {
 namespace {
 
-TwinConfig declared_rig() {
-  TwinConfig twin;
-  twin.wheel.grousers = 16;
-  twin.wheel.grouser_height = 0.007;
-  twin.wheel.stiffness = 24500.0;
-  twin.soil.c1 = 0.2;
-  return twin;
-}
-
 /// The rig itself: its soil is a third stiffer and a little stronger than declared.
 TwinConfig true_rig() {
   TwinConfig twin = declared_rig();

@@ -12,15 +12,6 @@
 namespace wheel_twin::twin {
 namespace {
 
-TwinConfig declared_rig() {
-  TwinConfig twin;
-  twin.wheel.grousers = 16;
-  twin.wheel.grouser_height = 0.007;
-  twin.wheel.stiffness = 24500.0;
-  twin.soil.c1 = 0.2;
-  return twin;
-}
-
 /// Runs of `rig` with white noise of 0.2 N, 0.1 mm and 0.01 N m.
 std::vector<RunGrid> runs_of(const TwinConfig& rig, const std::vector<double>& slips, std::uint64_t seed) {
   Random random(seed);

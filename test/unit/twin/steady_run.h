@@ -1,10 +1,21 @@
-// A run on the grid of the diagnosis, for tests of its parts.
+// A declared rig and a run on the grid of the diagnosis, for tests of its parts.
 #pragma once
 
 #include "rig/speeds.h"
 #include "twin/run_grid.h"
+#include "twin/twin_config.h"
 
 namespace wheel_twin::twin {
+
+/// What an operator would declare: a wheel with grousers on a soil whose contact turns with slip.
+inline TwinConfig declared_rig() {
+  TwinConfig twin;
+  twin.wheel.grousers = 16;
+  twin.wheel.grouser_height = 0.007;
+  twin.wheel.stiffness = 24500.0;
+  twin.soil.c1 = 0.2;
+  return twin;
+}
 
 /// A run of `n` bins of half a second at one slip and load that stands still for its first ten bins.
 inline RunGrid steady_run(double slip, double load, int n = 120, double radius = 0.09) {
