@@ -343,7 +343,17 @@ std::vector<double> searched_from(const Problem& problem, std::vector<double> st
 double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& names,
                            const std::vector<std::size_t>& runs,
                            const std::vector<std::vector<double>>& known) {
-  const Problem problem(evidence, names, runs, known);
+  // Friction that is already known holds whatever is added to it alike, and is left out of the look.
+  std::vector<std::string> looked_at;
+  std::vector<std::vector<double>> values;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    TwinConfig alone = evidence.baseline;
+    if (k < known.size()) alone.effects = {{names[k], known[k]}};
+    if (k < known.size() && sticks(alone)) continue;
+    looked_at.push_back(names[k]);
+    if (k < known.size()) values.push_back(known[k]);
+  }
+  const Problem problem(evidence, looked_at, runs, values);
   if (sticks(model_of(evidence, problem.layout, values_of(problem.started(problem.starts.front())))))
     return 0.0;
   double least = std::numeric_limits<double>::infinity();

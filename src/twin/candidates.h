@@ -19,6 +19,7 @@ struct Evidence {
   Eigen::MatrixXd nuisance_columns;  ///< derivatives of all runs' residuals by them, in units of their
                                      ///< scales; empty: taken anew at every look
   std::vector<NoiseModel> noise;     ///< of each run
+  double offset_freedom = 10.0;      ///< degrees of freedom that the offset of a run is known by
   FluctuationModel fluctuation;
   std::vector<LogDeviation> beyond;  ///< of each run: FluctuationModel::beyond; empty: nothing
   std::vector<const RunGrid*> runs;  ///< measured
@@ -73,8 +74,8 @@ std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& mode
 double draw_wire_delay(const TwinConfig& model);
 
 /// Chi-square that a fit of `effects` would reach, as one Gauss-Newton step from the best of its starts
-/// foretells it, `known` as for fit_candidate; infinite when no start can be simulated, zero where friction
-/// makes a step foretell nothing.
+/// foretells it, `known` as for fit_candidate, known friction left out; infinite when no start can be
+/// simulated, zero where friction to be found makes a step foretell nothing.
 double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& effects,
                            const std::vector<std::size_t>& runs,
                            const std::vector<std::vector<double>>& known = {});

@@ -1,9 +1,11 @@
 #include "twin/certify.h"
 
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "base/random.h"
@@ -11,9 +13,10 @@
 namespace wheel_twin::twin {
 namespace {
 
-/// Two-sided tail of a standard normal deviate.
-double tail(double z) {
-  return std::erfc(std::abs(z) / std::sqrt(2.0));
+/// Two-sided tail of a standard normal deviate, or of Student's t where its error is known by few values.
+double tail(double z, std::optional<double> freedom) {
+  if (!freedom) return std::erfc(std::abs(z) / std::sqrt(2.0));
+  return 2.0 * boost::math::cdf(boost::math::complement(boost::math::students_t(*freedom), std::abs(z)));
 }
 
 /// Projection of a residual on a course over the bins, generalised for the correlation of neighbouring bins:
@@ -105,11 +108,11 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
   Omnibus result;
   int asked = 0;
   std::vector<double> lags;
-  const auto note = [&](const RunGrid& grid, Channel channel, const char* feature, double size,
-                        double error) {
+  const auto note = [&](const std::string& run, Channel channel, const char* feature, double size,
+                        double error, std::optional<double> freedom = std::nullopt) {
     if (!std::isfinite(size) || !(error > 0.0)) return;
     ++asked;
-    result.findings.push_back({grid.name, channel, feature, size, size / error});
+    result.findings.push_back({run, channel, feature, size, size / error, tail(size / error, freedom)});
   };
   for (std::size_t r = 0; r < evidence.runs.size(); ++r) {
     const RunGrid& grid = *evidence.runs[r];
@@ -140,14 +143,15 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
       // level.
       const double deviation = std::max(noise.deviation, robust_deviation(without_level(values)));
       const Projection mean = project(values, level, deviation, noise.keep);
-      note(grid, channel, "level", mean.value, std::hypot(mean.error, noise.run_offset));
+      note(grid.name, channel, "level", mean.value, std::hypot(mean.error, noise.run_offset),
+           evidence.offset_freedom);
       for (auto* course : {&time, &turn_cos, &turn_sin}) centre(*course);
       const double span = time.back() - time.front();
       const Projection trend = project(values, time, deviation, noise.keep);
-      note(grid, channel, "trend", trend.value * span, trend.error * span);
+      note(grid.name, channel, "trend", trend.value * span, trend.error * span);
       for (const auto* course : {&turn_cos, &turn_sin}) {
         const Projection turn = project(values, *course, deviation, noise.keep);
-        note(grid, channel, "turn", turn.value, turn.error);
+        note(grid.name, channel, "turn", turn.value, turn.error);
       }
       // A place: the largest mean over four seconds, less the run's own level, against what such means
       // scatter by, so that slow noise is not one. Not the first: how a wheel leaves its print is the soil's.
@@ -165,11 +169,11 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
             robust_deviation(places));
         const double worst = *std::max_element(places.begin(), places.end(),
                                                [](double a, double b) { return std::abs(a) < std::abs(b); });
-        note(grid, channel, "place", worst, error);
+        note(grid.name, channel, "place", worst, error);
         asked += static_cast<int>(places.size()) - 1;
       }
       if (evidence.fluctuation.known)
-        note(grid, channel, "fluctuation",
+        note(grid.name, channel, "fluctuation",
              measured_deviation[static_cast<std::size_t>(c)] - predicted[static_cast<std::size_t>(c)], 0.25);
     }
     lags.insert(lags.end(), evidence.lag[r].begin(), evidence.lag[r].end());
@@ -178,13 +182,11 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
     // A clock is late in every run alike: one question.
     const auto n = static_cast<double>(lags.size());
     const double late = std::accumulate(lags.begin(), lags.end(), 0.0) / n - draw_wire_delay(model);
-    ++asked;
-    result.findings.push_back(
-        {"all runs", Channel::hub_displacement, "lag", late, late * std::sqrt(n) / evidence.lag_error});
+    note("all runs", Channel::hub_displacement, "lag", late, evidence.lag_error / std::sqrt(n));
   }
   std::sort(result.findings.begin(), result.findings.end(),
             [](const Finding& a, const Finding& b) { return std::abs(a.z) > std::abs(b.z); });
-  if (!result.findings.empty()) result.p = std::min(1.0, asked * tail(result.findings.front().z));
+  for (const Finding& f : result.findings) result.p = std::min(result.p, asked * f.p);
   return result;
 }
 

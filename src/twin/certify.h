@@ -22,6 +22,7 @@ struct Finding {
   std::string feature;  ///< level, trend, fluctuation, turn (once a wheel turn), place, lag
   double size = 0.0;    ///< in the unit of the channel (fluctuation: ratio; lag: s)
   double z = 0.0;       ///< in standard errors
+  double p = 1.0;       ///< of noise alone, not corrected for the number of features asked
 };
 
 struct Omnibus {

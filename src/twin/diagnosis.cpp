@@ -26,6 +26,8 @@ constexpr double mostly_explained = 0.9;  // of the chi-square above what noise 
 constexpr double never_explained = 6.0;   // error after over noise floor
 constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
 constexpr double least_share = 0.05;      // of it that a second effect must explain
+constexpr double stands_out = 6.0;        // standard errors of a feature that an explanation must have
+constexpr double taken_away = 0.5;        // of such a feature, at least
 constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
 constexpr double certain = 0.01;          // probability of that by chance
 constexpr int fewest_steady_bins = 12;    // of a run
@@ -78,13 +80,26 @@ void set_lags(const std::vector<const RunGrid*>& references, Evidence& evidence)
 /// Noise of the measured runs: at least that of the reference runs, more where they fluctuate more.
 NoiseModel common_noise(const NoiseModel& reference, const NoiseModel& measured) {
   NoiseModel noise = reference;
-  for (std::size_t c = 0; c < channel_count; ++c)
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    noise[c].rest = std::max(noise[c].rest, measured[c].rest);
     if (measured[c].deviation > noise[c].deviation) {
       noise[c].deviation = measured[c].deviation;
       noise[c].keep = measured[c].keep;
     }
+  }
   return noise;
 }
+
+/// How well a candidate explains the experiment.
+struct Explanation {
+  Omnibus left;                        // what stands out of the residual still
+  double ratio = 0.0;                  // worst error over noise floor, runs that were fitted
+  double ratio_held_out = 0.0;         // the same, runs held out
+  std::optional<double> tone;          // Hz, where a machine hums
+  std::optional<CommonCourse> common;  // what follows the clock in all runs
+  bool stands = false;                 // what stood out most does so still
+  double unexplained = 1.0;            // probability that it is no explanation
+};
 
 /// Runs and what a twin leaves of them: what noise is estimated from.
 struct Left {
@@ -97,11 +112,16 @@ struct Left {
 std::vector<NoiseModel> noise_of(const std::vector<const RunGrid*>& runs, const Calibration& calibration,
                                  const Left& references, const Left& measured, const NoiseFloor& floor) {
   const NoiseModel measured_noise = estimate_noise(measured.runs, measured.residuals, floor);
+  const auto at_rest = scatter_at_rest(measured.runs, measured.residuals);
   const Left& calm = references.runs.empty() ? measured : references;
   const auto a = noise_by_run(calibration.noise, calm.runs, calm.residuals, floor, runs);
   const auto b = noise_by_run(measured_noise, measured.runs, measured.residuals, floor, runs);
   std::vector<NoiseModel> noise;
-  for (std::size_t r = 0; r < runs.size(); ++r) noise.push_back(common_noise(a[r], b[r]));
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    noise.push_back(common_noise(a[r], b[r]));
+    for (std::size_t c = 0; c < channel_count; ++c)
+      noise[r][c].rest_offset = std::max(noise[r][c].rest_offset, at_rest[c]);
+  }
   return noise;
 }
 
@@ -136,6 +156,37 @@ std::vector<const RunGrid*> usable_runs(const TwinConfig& declared, Diagnosis& d
     throw Error(fmt::format("{}: {} of {} runs are no logs of what is declared ({})", d.experiment,
                             all - usable.size(), all, reason));
   return usable;
+}
+
+/// Whether an effect acts through the contact: it changes how a wheel on soil answers, its lag as well.
+bool acts_through_contact(const std::string& effect) {
+  const effects::Place place = effects::find_effect(effect).place;
+  return place != effects::Place::sensor && place != effects::Place::log;
+}
+
+/// The strongest feature that neither soils of another form than the twin's make (levels) nor the effects
+/// already named (lags).
+const Finding* strongest_feature(const Omnibus& omnibus, const std::vector<std::string>& named) {
+  const bool other_contact = std::any_of(named.begin(), named.end(), acts_through_contact);
+  for (const Finding& f : omnibus.findings)
+    if (f.feature != "level" && !(f.feature == "lag" && other_contact)) return &f;
+  return nullptr;
+}
+
+/// Whether what stands out most in `before` does so still in `after`.
+bool still_there(const Finding* strongest, const Omnibus& after) {
+  if (strongest == nullptr || std::abs(strongest->z) < stands_out) return false;
+  for (const Finding& f : after.findings)
+    if (f.run == strongest->run && f.channel == strongest->channel && f.feature == strongest->feature)
+      return std::abs(f.z) > stands_out && std::abs(f.z) > (1.0 - taken_away) * std::abs(strongest->z);
+  return false;
+}
+
+/// The most that a p-value allows an effect's probability to be, one against one: 1 / (1 - e p ln p), the
+/// bound of Sellke, Bayarri and Berger (2001).
+double most_probable(double p) {
+  constexpr double e = 2.718281828459045;
+  return p < 1.0 / e ? 1.0 / (1.0 - e * p * std::log(std::max(p, 1e-300))) : 0.5;
 }
 
 /// Best score first, the soil's uncertainty in the scores of the first `most`.
@@ -216,6 +267,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     return noise_of(runs, calibration, left_of_references, left_of_measured, floor);
   };
   evidence.noise = noise_of_runs(measured);
+  evidence.offset_freedom = std::max(3.0, static_cast<double>(references.size() + measured.size()) - 2.0);
   set_lags(references, evidence);
   for (std::size_t r = 0; r < measured.size(); ++r) {
     evidence.log_deviation.push_back(log_deviation_by_stretch(*measured[r], residuals[r].bins));
@@ -258,52 +310,72 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     return std::min(1.0, tests * certify(evidence, base, c));
   };
 
-  double p_best = singles.empty() ? 1.0 : corrected(nothing, singles.front());
-  Candidate best = singles.empty() ? nothing : singles.front();
+  const std::vector<NoiseModel> held_out_noise = noise_of_runs(held_out);
+  std::vector<const RunGrid*> all_runs = measured;
+  all_runs.insert(all_runs.end(), held_out.begin(), held_out.end());
   const double excess = std::max(1.0, nothing.chi_square - tracing.count());
-  const bool something = d.omnibus.p < options.false_alarm_rate || p_best < options.false_alarm_rate;
-  const Errors single_errors = errors_of(measured, nothing.model, best.model, evidence.noise);
-  if (something && p_best < options.false_alarm_rate) {
-    // Is one effect enough? A second must earn its place on runs it was not fitted to as well.
-    const Omnibus left = ask_residual(evidence, best.model, best.fluctuates);
-    if (left.p < options.false_alarm_rate && worst_ratio(single_errors) > good_enough) {
-      std::vector<Candidate> pairs = tracing.every_effect(best);
-      rank(tracing, pairs, doubt, listed_pairs);
-      if (!pairs.empty() && pairs.front().score > best.score + 3.0) {
-        const double p_pair = corrected(best, pairs.front());
-        const double gain = (best.chi_square - pairs.front().chi_square) / excess;
-        if (p_pair < options.false_alarm_rate && gain > least_share) {
-          best = pairs.front();
-          p_best = std::max(p_best, p_pair);
-          all.insert(all.end(), pairs.begin(),
-                     pairs.begin() + static_cast<std::ptrdiff_t>(std::min(listed_pairs, pairs.size())));
-        }
+  const auto weigh = [&](const Candidate& c) {
+    Explanation e;
+    e.left = ask_residual(evidence, c.model, !c.effects.empty());
+    const Errors errors = errors_of(measured, nothing.model, c.model, evidence.noise);
+    e.ratio = worst_ratio(errors);
+    e.ratio_held_out =
+        held_out.empty() ? 0.0 : worst_ratio(errors_of(held_out, nothing.model, c.model, held_out_noise));
+    std::vector<Residual> remainder;
+    for (const RunGrid* run : all_runs) remainder.push_back(residual_of(*run, slow_course(c.model, *run)));
+    // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
+    if (sticks(c.model)) e.tone = common_tone(all_runs, remainder);
+    e.common = common_course(all_runs, remainder);
+    if (e.common && (e.common->p > certain || e.common->share < plainly_common)) e.common.reset();
+    e.stands = !d.omnibus.findings.empty() && still_there(&d.omnibus.findings.front(), e.left);
+    const double explained = 1.0 - (c.chi_square - tracing.count()) / excess;
+    e.unexplained = e.tone || e.common || e.stands || std::max(e.ratio, e.ratio_held_out) > never_explained
+                        ? 1.0
+                    : (explained > mostly_explained || least_gone(errors) > nearly_gone)
+                        ? 0.0
+                        : 1.0 / (1.0 + std::exp(-(e.ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
+    return e;
+  };
+
+  Candidate best = singles.empty() ? nothing : singles.front();
+  double p_best = singles.empty() ? 1.0 : corrected(nothing, best);
+  // An effect that foretells runs, yet is less likely than none, is none.
+  const bool likelier = best.score > nothing.score;
+  const bool certified = likelier && p_best < options.false_alarm_rate;
+  const bool something = d.omnibus.p < options.false_alarm_rate || certified;
+  Explanation explanation = weigh(best);
+  if (certified && explanation.left.p < options.false_alarm_rate) {
+    // Is one effect enough? A second must earn its place on runs it was not fitted to as well: by its share
+    // of the whole, by what stood out and is gone, or because one alone explains nothing and the two
+    // everything.
+    const Finding* feature = strongest_feature(explanation.left, best.effects);
+    const bool shows = feature != nullptr && std::abs(feature->z) > stands_out;
+    std::vector<Candidate> pairs;
+    if (explanation.ratio > good_enough || explanation.unexplained > 0.5 || shows)
+      pairs = tracing.every_effect(best);
+    rank(tracing, pairs, doubt, listed_pairs);
+    if (!pairs.empty() && pairs.front().score > best.score + 3.0) {
+      const double p_pair = corrected(best, pairs.front());
+      const Explanation both = weigh(pairs.front());
+      const double gain = (best.chi_square - pairs.front().chi_square) / excess;
+      const bool rescues = explanation.unexplained > 0.5 && both.unexplained < 0.5;
+      const bool clears = shows && !still_there(feature, both.left);
+      const bool enough = explanation.ratio > good_enough && gain > least_share;
+      if (p_pair < options.false_alarm_rate && (enough || rescues || clears)) {
+        best = pairs.front();
+        explanation = both;
+        p_best = std::max(p_best, p_pair);
+        all.insert(all.end(), pairs.begin(),
+                   pairs.begin() + static_cast<std::ptrdiff_t>(std::min(listed_pairs, pairs.size())));
       }
     }
   }
-  const Errors errors = errors_of(measured, nothing.model, best.model, evidence.noise);
-  const double ratio = worst_ratio(errors);
-  const double ratio_held_out =
-      held_out.empty() ? 0.0
-                       : worst_ratio(errors_of(held_out, nothing.model, best.model, noise_of_runs(held_out)));
-  std::vector<const RunGrid*> all_runs = measured;
-  all_runs.insert(all_runs.end(), held_out.begin(), held_out.end());
-  std::vector<Residual> remainder;
-  for (const RunGrid* run : all_runs) remainder.push_back(residual_of(*run, slow_course(best.model, *run)));
-  // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
-  std::optional<double> tone;
-  if (sticks(best.model)) tone = common_tone(all_runs, remainder);
-  std::optional<CommonCourse> common = common_course(all_runs, remainder);
-  if (common && (common->p > certain || common->share < plainly_common)) common.reset();
-  const double explained = 1.0 - (best.chi_square - tracing.count()) / excess;
-  const double unexplained =
-      tone || common || std::max(ratio, ratio_held_out) > never_explained ? 1.0
-      : (explained > mostly_explained || least_gone(errors) > nearly_gone)
-          ? 0.0
-          : 1.0 / (1.0 + std::exp(-(ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
+  const double unexplained = explanation.unexplained;
+  const std::optional<double>& tone = explanation.tone;
+  const std::optional<CommonCourse>& common = explanation.common;
   if (!something)
     d.verdict = d.recording_errors.empty() ? "no_residual" : "unexplained";
-  else if (p_best < options.false_alarm_rate && unexplained < 0.5)
+  else if (certified && unexplained < 0.5)
     d.verdict = "effect_found";
   else
     d.verdict = "unexplained";
@@ -318,12 +390,14 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const double highest = std::max_element(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) {
                            return a.score < b.score;
                          })->score;
+  const double most = certified ? most_probable(p_best) : 1.0;
   double sum = 0.0;
   for (const Candidate& c : all) sum += std::exp(c.score - highest);
   for (const Candidate& c : all) {
     Ranked ranked;
     ranked.candidate = c;
-    ranked.probability = std::exp(c.score - highest) / sum * (c.effects.empty() ? 1.0 : 1.0 - unexplained);
+    ranked.probability =
+        std::exp(c.score - highest) / sum * (c.effects.empty() ? 1.0 : most * (1.0 - unexplained));
     ranked.p_value = c.effects == best.effects ? p_best : 1.0;
     d.candidates.push_back(ranked);
   }
@@ -338,15 +412,15 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     }
   }
   d.error = errors_of(measured, d.before, d.revised, evidence.noise);
-  if (!held_out.empty()) d.held_out_error = errors_of(held_out, d.before, d.revised, noise_of_runs(held_out));
-  d.left = ask_residual(evidence, d.revised, d.verdict == "effect_found" && best.fluctuates);
+  if (!held_out.empty()) d.held_out_error = errors_of(held_out, d.before, d.revised, held_out_noise);
+  d.left = ask_residual(evidence, d.revised, d.verdict == "effect_found");
 
   if (!something) {
     d.evidence = fmt::format(
         "The residual of the calibrated twin is noise: no feature of any run stands out (corrected p = "
-        "{:.2g}) and no effect of the catalogue predicts runs that it was not fitted to (best: {}, corrected "
-        "p = {:.2g}).",
-        d.omnibus.p, effect_list(best.effects), p_best);
+        "{:.2g}) and no effect of the catalogue {} (best: {}, corrected p = {:.2g}).",
+        d.omnibus.p, likelier ? "predicts runs that it was not fitted to" : "is likelier than none",
+        effect_list(best.effects), p_best);
   } else if (d.verdict == "effect_found") {
     std::string runner = "none";
     for (const Ranked& r : d.candidates)
@@ -374,17 +448,23 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
                              correlations(evidence, nothing.model));
     if (measured.size() < 2)
       d.evidence += "With one measured run no effect can be put to the test on a run it was not fitted to.";
-    else if (p_best >= options.false_alarm_rate)
+    else if (!certified)
+      d.evidence +=
+          fmt::format("No effect of the catalogue {}: the best is {} (corrected p = {:.2g}).",
+                      likelier ? "foretells runs that it was not fitted to" : "is likelier than none",
+                      effect_list(best.effects), p_best);
+    else if (explanation.stands)
       d.evidence += fmt::format(
-          "No effect of the catalogue foretells runs that it was not fitted to: the best is {} (corrected p "
-          "= "
-          "{:.2g}).",
-          effect_list(best.effects), p_best);
+          "{} foretells runs that it was not fitted to (corrected p = {:.2g}) but does not have what stands "
+          "out most: "
+          "the {} of {} in {}.",
+          effect_list(best.effects), p_best, d.omnibus.findings.front().feature,
+          name_of(d.omnibus.findings.front().channel), d.omnibus.findings.front().run);
     else
       d.evidence += fmt::format(
           "No effect of the catalogue brings it to the noise level: the best, {}, leaves {:.1f} times the "
           "noise floor (corrected p = {:.2g}).",
-          effect_list(best.effects), std::max(ratio, ratio_held_out), p_best);
+          effect_list(best.effects), std::max(explanation.ratio, explanation.ratio_held_out), p_best);
     if (tone)
       d.evidence += fmt::format(
           " Most of what a channel fluctuates by is one tone of {:.3g} Hz, the same in most runs: a machine, "

@@ -13,6 +13,9 @@ constexpr double longest_lag = 3.0;   // s
 constexpr double level_window = 4.0;  // s
 constexpr double quick_window = 1.5;  // s, the same for what is compared run by run
 constexpr double least_correlation = 0.4;
+constexpr double side_lobe =
+    level_window / 4.0;  // s; taking the level off makes peaks of the other sign from there on
+constexpr double least_far_correlation = 0.6;
 
 /// Linear interpolation on a regular grid.
 Eigen::VectorXd resampled(const std::vector<double>& time, const std::function<double(std::size_t)>& value,
@@ -70,7 +73,9 @@ std::optional<Lag> peak(const Eigen::VectorXd& reference, const Eigen::VectorXd&
   const double before = correlation[i - 1], after = correlation[i + 1];
   const double curvature = before - 2.0 * correlation[i] + after;
   const double shift = curvature != 0.0 ? 0.5 * (before - after) / curvature : 0.0;
-  return Lag{(static_cast<double>(i) - reach + std::clamp(shift, -0.5, 0.5)) * step, best};
+  const double lag = (static_cast<double>(i) - reach + std::clamp(shift, -0.5, 0.5)) * step;
+  if (std::abs(lag) > side_lobe && best < least_far_correlation) return std::nullopt;
+  return Lag{lag, best};
 }
 
 /// Mean time from sample to sample, s; 0 for less than two.

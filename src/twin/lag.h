@@ -17,7 +17,8 @@ struct Lag {
 };
 
 /// Peak of the cross-correlation of the displacement with pitch torque or drawbar pull (whichever it follows
-/// closer) within +-3 s, level removed. Nothing when they have too little in common (correlation below 0.4).
+/// closer) within +-3 s, level removed. Nothing when they have too little in common (correlation below 0.4,
+/// beyond a second 0.6).
 std::optional<Lag> draw_wire_lag(const run_log::RunLog& log);
 
 /// How displacement and wrench fluctuate together, by equal stretches of the run.

@@ -133,6 +133,27 @@ NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::v
   return noise;
 }
 
+std::array<double, channel_count> scatter_at_rest(const std::vector<const RunGrid*>& grids,
+                                                  const std::vector<Residual>& residuals) {
+  std::array<double, channel_count> scatter{};
+  for (int c = 0; c < channel_rows; ++c) {
+    std::vector<double> means;
+    for (std::size_t r = 0; r < grids.size(); ++r)
+      for (const Segment& segment : segments_of(*grids[r])) {
+        const std::vector<int> bins = measured_bins(*grids[r], c, segment);
+        if (segment.moving || bins.empty()) continue;
+        double sum = 0.0;
+        for (const int i : bins) sum += residuals[r].bins(c, i);
+        means.push_back(sum / static_cast<double>(bins.size()));
+      }
+    if (means.size() < 3) continue;
+    const double middle = median(means);
+    for (double& mean : means) mean -= middle;
+    scatter[static_cast<std::size_t>(c)] = robust_deviation(means);
+  }
+  return scatter;
+}
+
 std::vector<double> nearness(const std::vector<const RunGrid*>& grids, const RunGrid& run) {
   const auto log_load = [](const RunGrid& grid) { return std::log(std::max(1e-3, grid.declared.load)); };
   std::vector<double> distance;

@@ -40,6 +40,11 @@ std::vector<Segment> segments_of(const RunGrid& grid);
 NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::vector<Residual>& residuals,
                           const NoiseFloor& floor);
 
+/// Deviation of the runs' levels at rest about their median, by channel: how differently wheels stand. Zero
+/// with less than three.
+std::array<double, channel_count> scatter_at_rest(const std::vector<const RunGrid*>& grids,
+                                                  const std::vector<Residual>& residuals);
+
 /// Weight of each of `grids` (sum 1) as a witness for `run`: those nearest in slip and load count.
 std::vector<double> nearness(const std::vector<const RunGrid*>& grids, const RunGrid& run);
 

@@ -66,13 +66,17 @@ void mask_changes_of_speed(RunGrid& grid, double radius) {
       for (int j = i - 1; j <= std::min(n - 1, i + 1); ++j) masked[static_cast<std::size_t>(j)] = true;
   }
   grid.moving.assign(static_cast<std::size_t>(n), false);
-  for (int i = 0; i < n; ++i) {
-    const auto& m = grid.motion[static_cast<std::size_t>(i)];
-    if (masked[static_cast<std::size_t>(i)]) grid.measured.col(i).setConstant(missing);
-    grid.moving[static_cast<std::size_t>(i)] =
-        !masked[static_cast<std::size_t>(i)] &&
-        std::max(std::abs(m.carriage_velocity), std::abs(radius * m.wheel_rate)) > 0.2 * fastest &&
-        fastest > 0.0;
+  // A bin in or beside slow motion is neither at rest nor moving: slip there is a ratio of vanishing speeds.
+  constexpr double moves = 0.2, stands = 0.02;  // of the largest speed
+  const auto share = [&](int i) {
+    const auto& m = grid.motion[static_cast<std::size_t>(std::clamp(i, 0, n - 1))];
+    return std::max(std::abs(m.carriage_velocity), std::abs(radius * m.wheel_rate)) / fastest;
+  };
+  for (int i = 0; i < n && fastest > 0.0; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    grid.moving[k] = !masked[k] && share(i) > moves;
+    if (masked[k] || (!grid.moving[k] && std::max({share(i - 1), share(i), share(i + 1)}) > stands))
+      grid.measured.col(i).setConstant(missing);
   }
 }
 
@@ -80,7 +84,7 @@ void mask_changes_of_speed(RunGrid& grid, double radius) {
 /// the first motion in which hub and load have not come to where they stand before it (all of them, when no
 /// two bins agree), and the like after the last.
 void mask_settling(RunGrid& grid) {
-  constexpr double settled = 0.03;  // of the displacement and of the load
+  constexpr double settled = 0.01;  // of the displacement and of the load
   const auto hub = grid.measured.row(index_of(Channel::hub_displacement)).eval(),
              load = grid.measured.row(index_of(Channel::normal_load)).eval();
   const int n = grid.bins();

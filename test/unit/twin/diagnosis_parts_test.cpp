@@ -172,6 +172,32 @@ TEST(Lag, FindsTheDelayOfTheDrawWire) {
   EXPECT_FALSE(draw_wire_lag(log)) << "nothing in common, nothing to tell";
 }
 
+// Where the level is taken off, peaks of the other sign appear beyond a second: they must be high to be
+// believed.
+TEST(Lag, BelievesAFarOneOnlyWhenItIsPlain) {
+  const auto lag_of = [](double noise) {
+    constexpr int late = 85;  // samples
+    Random random(9);
+    run_log::RunLog log;
+    log.epoch = 1.7e9;
+    std::vector<double> values = {0.0};
+    for (int i = 1; i < 3000 + late; ++i) values.push_back(0.9 * values.back() + random.normal());
+    for (int i = 0; i < 3000; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      log.ft.time.push_back(0.02 * i);
+      log.ft.force.emplace_back(0.0, 0.0, 42.0);
+      log.ft.torque.emplace_back(0.0, 0.1 * values[k + late], 0.0);
+      log.draw_wire.time.push_back(0.02 * i);
+      log.draw_wire.value.push_back(0.01 + 1e-4 * (values[k] + noise * random.normal()));
+    }
+    return draw_wire_lag(log);
+  };
+  const auto plain = lag_of(0.5);
+  ASSERT_TRUE(plain);
+  EXPECT_NEAR(plain->seconds, 1.7, 0.02);
+  EXPECT_FALSE(lag_of(4.0));
+}
+
 TEST(TwinFile, ComesBackAsItWasWritten) {
   TwinConfig twin = some_twin();
   twin.effects = {{"slide_friction", {3.25}}, {"soft_spoke", {0.001, 0.3, -1.5}}};
@@ -299,6 +325,17 @@ TEST(Certificate, IsGivenToTheEffectThatActsAndToNoneWhenNothingDoes) {
 
   const Candidate phantom = fit_candidate(clean.evidence, {"bed_tilt"}, all);
   EXPECT_GT(certify(clean.evidence, fit_candidate(clean.evidence, {}, all), phantom), 0.01);
+
+  // What runs differ by is known by few runs: a level must stand out more.
+  TwinConfig biased = some_twin();
+  biased.effects = {{"ft_bias", {0.5, 0.0, 0.0}}};
+  Trial level(biased, 13);
+  level.evidence.offset_freedom = 1000.0;
+  const double by_many = ask_residual(level.evidence, some_twin(), false).p;
+  level.evidence.offset_freedom = 4.0;
+  const double by_few = ask_residual(level.evidence, some_twin(), false).p;
+  EXPECT_LT(by_many, 0.01);
+  EXPECT_GT(by_few, 5.0 * by_many);
   EXPECT_GT(ask_residual(clean.evidence, some_twin(), false).p, 0.01);
 }
 

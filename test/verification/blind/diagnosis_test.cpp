@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 
@@ -67,6 +69,27 @@ TEST_F(Loop, ALateDrawWireIsNamedWithItsDelay) {
   const twin::Candidate& best = found.candidates.front().candidate;
   ASSERT_EQ(best.effects, std::vector<std::string>{"clock_skew"});
   EXPECT_NEAR(best.values[0][0], -0.08, 0.012);
+}
+
+/// The effects that a diagnosis names, in the order of their names.
+std::vector<std::string> named(const twin::Diagnosis& diagnosis) {
+  if (diagnosis.verdict != "effect_found") return {diagnosis.verdict};
+  std::vector<std::string> names = diagnosis.candidates.front().candidate.effects;
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+TEST_F(Loop, ASecondEffectThatMovesNoMeanIsNamedBesideTheFirst) {
+  const twin::Diagnosis found = diagnosis_of({{"soil_cohesion", {900.0}}, {"slide_friction", {5.0}}});
+  EXPECT_EQ(named(found), (std::vector<std::string>{"slide_friction", "soil_cohesion"})) << found.evidence;
+}
+
+TEST_F(Loop, ASmallEffectBesideALargeOneIsNamedWhereOneAloneExplainsNothing) {
+  const twin::Diagnosis found =
+      diagnosis_of({{"ft_drift", {-0.02, -0.03, 0.025}}, {"density_gradient", {-0.25}}});
+  EXPECT_EQ(named(found), (std::vector<std::string>{"density_gradient", "ft_drift"})) << found.evidence;
+  const double p = found.candidates.front().p_value;
+  EXPECT_LE(found.candidates.front().probability, 1.0 / (1.0 - std::exp(1.0) * p * std::log(p)));
 }
 
 /// Experiments that no one can explain, made of the logs of a drawn rig.
