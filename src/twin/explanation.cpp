@@ -1,0 +1,86 @@
+#include "twin/explanation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/catalogue.h"
+#include "twin/errors_left.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr double mostly_explained = 0.9;  // of the chi-square above what noise has
+constexpr double never_explained = 6.0;   // error after over noise floor
+constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
+constexpr double stands_out = 6.0;        // standard errors of a feature that an explanation must have
+constexpr double taken_away = 0.5;        // of such a feature, at least
+constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
+constexpr double certain = 0.01;          // probability of that by chance
+
+/// Whether an effect acts through the contact: it changes how a wheel on soil answers, its lag as well.
+bool acts_through_contact(const std::string& effect) {
+  const effects::Place place = effects::find_effect(effect).place;
+  return place != effects::Place::sensor && place != effects::Place::log;
+}
+
+}  // namespace
+
+const Finding* plain_feature(const Omnibus& omnibus, const std::vector<std::string>& named) {
+  const bool other_contact = std::any_of(named.begin(), named.end(), acts_through_contact);
+  for (const Finding& f : omnibus.findings)
+    if (f.feature != "level" && !(f.feature == "lag" && other_contact))
+      return std::abs(f.z) > stands_out ? &f : nullptr;
+  return nullptr;
+}
+
+bool still_there(const Finding& feature, const Omnibus& after) {
+  for (const Finding& f : after.findings)
+    if (f.run == feature.run && f.channel == feature.channel && f.feature == feature.feature)
+      return std::abs(f.z) > stands_out && std::abs(f.z) > (1.0 - taken_away) * std::abs(feature.z);
+  return false;
+}
+
+double most_probable(double p) {
+  constexpr double e = 2.718281828459045;
+  return p < 1.0 / e ? 1.0 / (1.0 - e * p * std::log(std::max(p, 1e-300))) : 0.5;
+}
+
+Weighing::Weighing(const Gathering& gathering, const RunsByRole& runs, const Candidate& nothing,
+                   const Omnibus& omnibus, double count)
+    : evidence_(gathering.evidence()),
+      runs_(runs),
+      nothing_(nothing),
+      omnibus_(omnibus),
+      count_(count),
+      excess_(std::max(1.0, nothing.chi_square - count)),
+      held_out_noise_(gathering.noise_of(runs.held_out)) {}
+
+Explanation Weighing::operator()(const Candidate& candidate) const {
+  Explanation e;
+  e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
+  const Errors errors = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
+  e.ratio = worst_ratio(errors);
+  if (!runs_.held_out.empty())
+    e.ratio_held_out =
+        worst_ratio(errors_of(runs_.held_out, nothing_.model, candidate.model, held_out_noise_));
+  const std::vector<const RunGrid*> judged = runs_.judged();
+  std::vector<Residual> remainder;
+  for (const RunGrid* run : judged)
+    remainder.push_back(residual_of(*run, slow_course(candidate.model, *run)));
+  // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
+  if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
+  e.common = common_course(judged, remainder);
+  if (e.common && (e.common->p > certain || e.common->share < plainly_common)) e.common.reset();
+  e.stands = !omnibus_.findings.empty() && std::abs(omnibus_.findings.front().z) > stands_out &&
+             still_there(omnibus_.findings.front(), e.left);
+  const double explained = 1.0 - (candidate.chi_square - count_) / excess_;
+  if (e.tone || e.common || e.stands || std::max(e.ratio, e.ratio_held_out) > never_explained)
+    e.unexplained = 1.0;
+  else if (explained > mostly_explained || least_gone(errors) > nearly_gone)
+    e.unexplained = 0.0;
+  else
+    e.unexplained = 1.0 / (1.0 + std::exp(-(e.ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
+  return e;
+}
+
+}  // namespace wheel_twin::twin

@@ -1,0 +1,184 @@
+#include "twin/gathering.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "base/error.h"
+#include "twin/clock_lag.h"
+#include "twin/steady_runs.h"
+
+namespace wheel_twin::twin {
+namespace {
+
+constexpr int fewest_steady_bins = 12;         // of a run
+constexpr std::size_t fewest_to_hold_out = 5;  // measured runs
+constexpr double lag_tolerance = 0.1;          // s, between runs of one clock
+constexpr double lag_error = 0.02;             // s, of one run
+constexpr double own_lag = 0.05;               // s, that wire and wrench may have without a clock being late
+
+/// The lag that most runs agree on; a clock is late in every run, a chance correlation in one.
+std::optional<double> common_lag(const std::vector<const RunGrid*>& runs) {
+  std::vector<double> lags;
+  for (const RunGrid* run : runs)
+    if (run->lag) lags.push_back(run->lag->seconds);
+  if (lags.size() < 2) return std::nullopt;
+  std::sort(lags.begin(), lags.end());
+  const double median = lags[lags.size() / 2];
+  const auto agreeing = std::count_if(lags.begin(), lags.end(),
+                                      [&](double lag) { return std::abs(lag - median) < lag_tolerance; });
+  if (2 * static_cast<std::size_t>(agreeing) <= lags.size() || agreeing < 2) return std::nullopt;
+  return median;
+}
+
+/// Noise of the measured runs: at least that of the reference runs, more where they fluctuate more.
+NoiseModel common_noise(const NoiseModel& reference, const NoiseModel& measured) {
+  NoiseModel noise = reference;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    noise[c].rest = std::max(noise[c].rest, measured[c].rest);
+    if (measured[c].deviation > noise[c].deviation) {
+      noise[c].deviation = measured[c].deviation;
+      noise[c].keep = measured[c].keep;
+    }
+  }
+  return noise;
+}
+
+}  // namespace
+
+std::vector<const RunGrid*> RunsByRole::judged() const {
+  std::vector<const RunGrid*> runs = measured;
+  runs.insert(runs.end(), held_out.begin(), held_out.end());
+  return runs;
+}
+
+RunsByRole usable_runs(const std::string& experiment, const TwinConfig& declared,
+                       std::vector<RunGrid>& grids) {
+  RunsByRole result;
+  std::vector<RunGrid*> moving[2];  // references, others
+  for (RunGrid& grid : grids) {
+    if (steady_bins_of(grid) < fewest_steady_bins)
+      result.warnings.push_back(fmt::format("{}: no steady part ({:.3g} s at constant speeds), left out",
+                                            grid.name, steady_bins_of(grid) * grid.bin));
+    else
+      moving[grid.declared.role == logs::Role::reference ? 0 : 1].push_back(&grid);
+  }
+  std::size_t all = 0, usable = 0;
+  std::string reason;
+  for (const auto& runs : moving) {
+    for (const RecordingError& error : put_right(runs, declared)) result.recording_errors.push_back(error);
+    for (const RunGrid* run : runs) {
+      ++all;
+      const std::string why = contradiction(*run);
+      if (!why.empty()) {
+        reason = run->name + ": " + why;
+        result.warnings.push_back(reason + "; left out");
+        continue;
+      }
+      ++usable;
+      (run->declared.role == logs::Role::reference  ? result.references
+       : run->declared.role == logs::Role::measured ? result.measured
+                                                    : result.held_out)
+          .push_back(run);
+    }
+  }
+  if (2 * usable < all)
+    throw Error(fmt::format("{}: {} of {} runs are no logs of what is declared ({})", experiment,
+                            all - usable, all, reason));
+  if (result.measured.empty())
+    throw Error(fmt::format("{}: no measured run to diagnose{}", experiment,
+                            result.warnings.empty() ? "" : " (" + result.warnings.front() + ")"));
+  if (!result.calibrated())
+    result.warnings.push_back("no reference runs: the baseline is fitted together with the effect");
+  if (result.held_out.empty() && result.measured.size() >= fewest_to_hold_out) {
+    std::vector<const RunGrid*> kept;
+    for (std::size_t i = 0; i < result.measured.size(); ++i)
+      (i % 4 == 2 ? result.held_out : kept).push_back(result.measured[i]);
+    result.measured = kept;
+  }
+  return result;
+}
+
+Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const NoiseFloor& floor)
+    : runs_(runs),
+      floor_(floor),
+      calibration_(calibrate(declared, runs.calibrated() ? runs.references : runs.measured, floor)) {
+  TwinConfig baseline = calibration_.model;
+  baseline.table = std::make_shared<terramechanics::ContactTable>(baseline.wheel, baseline.soil);
+  const auto left = [&](const std::vector<const RunGrid*>& of) {
+    Left result{of, {}};
+    for (const RunGrid* run : of) result.residuals.push_back(residual_of(*run, simulate(baseline, *run)));
+    return result;
+  };
+  measured_ = left(runs.measured);
+  evidence_.runs = runs.measured;
+  evidence_.baseline = baseline;
+  if (runs.calibrated()) {
+    references_ = left(runs.references);
+    evidence_.fluctuation = fit_fluctuation(baseline, runs.references, references_.residuals);
+    evidence_.beyond = fluctuation_beyond(evidence_.fluctuation, baseline, runs.references,
+                                          references_.residuals, runs.measured);
+  } else {
+    evidence_.baseline.corrections.clear();
+    evidence_.nuisance = unknowns_beside_shape(calibration_);
+  }
+  evidence_.noise = noise_of(runs.measured);
+  evidence_.offset_freedom =
+      std::max(3.0, static_cast<double>(runs.references.size() + runs.measured.size()) - 2.0);
+  set_lags();
+  for (std::size_t r = 0; r < runs.measured.size(); ++r) {
+    const RunGrid& run = *runs.measured[r];
+    evidence_.log_deviation.push_back(log_deviation_by_stretch(run, measured_.residuals[r].bins));
+    evidence_.calm.push_back(
+        evidence_.fluctuation.known
+            ? predicted_log_deviation(evidence_.baseline, run, evidence_.fluctuation_of(r))
+            : LogDeviation{});
+  }
+}
+
+/// How late the draw wire is: against the reference runs, whose own lag is the zero, or without any by what
+/// most runs agree on.
+void Gathering::set_lags() {
+  if (!runs_.references.empty()) {
+    const ClockLag lag = clock_lag(evidence_.runs, runs_.references);
+    evidence_.lag = lag.by_run;
+    evidence_.lag_error = lag.error;
+    return;
+  }
+  const std::optional<double> common = common_lag(evidence_.runs);
+  double count = 0.0;
+  for (const RunGrid* run : evidence_.runs) {
+    evidence_.lag.emplace_back();
+    if (!run->lag || !common || std::abs(run->lag->seconds - *common) > lag_tolerance) continue;
+    evidence_.lag.back().push_back(run->lag->seconds);
+    count += 1.0;
+  }
+  evidence_.lag_error = std::hypot(lag_error, std::sqrt(count) * own_lag);
+}
+
+void Gathering::take_noise_from(const TwinConfig& explanation) {
+  measured_.residuals.clear();
+  for (const RunGrid* run : runs_.measured)
+    measured_.residuals.push_back(residual_of(*run, slow_course(explanation, *run)));
+  evidence_.noise = noise_of(runs_.measured);
+}
+
+std::vector<NoiseModel> Gathering::noise_of(const std::vector<const RunGrid*>& runs) const {
+  const NoiseModel measured_noise = estimate_noise(measured_.runs, measured_.residuals, floor_);
+  const auto at_rest = scatter_at_rest(measured_.runs, measured_.residuals);
+  const Left& calm = references_.runs.empty() ? measured_ : references_;
+  const auto a = noise_by_run(calibration_.noise, calm.runs, calm.residuals, floor_, runs);
+  const auto b = noise_by_run(measured_noise, measured_.runs, measured_.residuals, floor_, runs);
+  std::vector<NoiseModel> noise;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    noise.push_back(common_noise(a[r], b[r]));
+    for (std::size_t c = 0; c < channel_count; ++c)
+      noise[r][c].rest_offset = std::max(noise[r][c].rest_offset, at_rest[c]);
+  }
+  return noise;
+}
+
+}  // namespace wheel_twin::twin
