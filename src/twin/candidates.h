@@ -19,7 +19,7 @@ struct Evidence {
   Eigen::MatrixXd nuisance_columns;  ///< derivatives of all runs' residuals by them, in units of their
                                      ///< scales; empty: taken anew at every look
   std::vector<NoiseModel> noise;     ///< of each run
-  double offset_freedom = 10.0;      ///< degrees of freedom that the offset of a run is known by
+  double slow_freedom = 10.0;        ///< degrees of freedom that the slow noise of a run is known by
   FluctuationModel fluctuation;
   std::vector<LogDeviation> beyond;  ///< of each run: FluctuationModel::beyond; empty: nothing
   std::vector<const RunGrid*> runs;  ///< measured

@@ -144,11 +144,11 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
       const double deviation = std::max(noise.deviation, robust_deviation(without_level(values)));
       const Projection mean = project(values, level, deviation, noise.keep);
       note(grid.name, channel, "level", mean.value, std::hypot(mean.error, noise.run_offset),
-           evidence.offset_freedom);
+           evidence.slow_freedom);
       for (auto* course : {&time, &turn_cos, &turn_sin}) centre(*course);
       const double span = time.back() - time.front();
       const Projection trend = project(values, time, deviation, noise.keep);
-      note(grid.name, channel, "trend", trend.value * span, trend.error * span);
+      note(grid.name, channel, "trend", trend.value * span, trend.error * span, evidence.slow_freedom);
       for (const auto* course : {&turn_cos, &turn_sin}) {
         const Projection turn = project(values, *course, deviation, noise.keep);
         note(grid.name, channel, "turn", turn.value, turn.error);

@@ -13,9 +13,11 @@ constexpr double mostly_explained = 0.9;  // of the chi-square above what noise 
 constexpr double never_explained = 6.0;   // error after over noise floor
 constexpr double nearly_gone = 0.95;      // of the squared error of every disturbed channel
 constexpr double stands_out = 6.0;        // standard errors of a feature that an explanation must have
+constexpr double turn_stands_out = 4.5;   // of one that comes once a turn, which nothing else makes
 constexpr double taken_away = 0.5;        // of such a feature, at least
 constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
 constexpr double certain = 0.01;          // probability of that by chance
+constexpr double worth_a_word = 0.5;      // of the noise floor, that it must have
 
 /// Whether an effect acts through the contact: it changes how a wheel on soil answers, its lag as well.
 bool acts_through_contact(const std::string& effect) {
@@ -23,20 +25,23 @@ bool acts_through_contact(const std::string& effect) {
   return place != effects::Place::sensor && place != effects::Place::log;
 }
 
+bool stands(const Finding& f) {
+  return std::abs(f.z) > (f.feature == "turn" ? turn_stands_out : stands_out);
+}
+
 }  // namespace
 
 const Finding* plain_feature(const Omnibus& omnibus, const std::vector<std::string>& named) {
   const bool other_contact = std::any_of(named.begin(), named.end(), acts_through_contact);
   for (const Finding& f : omnibus.findings)
-    if (f.feature != "level" && !(f.feature == "lag" && other_contact))
-      return std::abs(f.z) > stands_out ? &f : nullptr;
+    if (f.feature != "level" && !(f.feature == "lag" && other_contact) && stands(f)) return &f;
   return nullptr;
 }
 
 bool still_there(const Finding& feature, const Omnibus& after) {
   for (const Finding& f : after.findings)
     if (f.run == feature.run && f.channel == feature.channel && f.feature == feature.feature)
-      return std::abs(f.z) > stands_out && std::abs(f.z) > (1.0 - taken_away) * std::abs(feature.z);
+      return stands(f) && std::abs(f.z) > (1.0 - taken_away) * std::abs(feature.z);
   return false;
 }
 
@@ -70,9 +75,13 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
   // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
   if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
   e.common = common_course(judged, remainder);
-  if (e.common && (e.common->p > certain || e.common->share < plainly_common)) e.common.reset();
-  e.stands = !omnibus_.findings.empty() && std::abs(omnibus_.findings.front().z) > stands_out &&
-             still_there(omnibus_.findings.front(), e.left);
+  if (e.common) {
+    const auto error = errors.find(e.common->channel);
+    const double least = error == errors.end() ? 0.0 : worth_a_word * error->second.noise_floor;
+    if (e.common->p > certain || e.common->share < plainly_common || e.common->deviation < least)
+      e.common.reset();
+  }
+  e.stands = !omnibus_.findings.empty() && still_there(omnibus_.findings.front(), e.left);
   const double explained = 1.0 - (candidate.chi_square - count_) / excess_;
   if (e.tone || e.common || e.stands || std::max(e.ratio, e.ratio_held_out) > never_explained)
     e.unexplained = 1.0;

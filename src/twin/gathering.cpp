@@ -126,7 +126,7 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
     evidence_.nuisance = unknowns_beside_shape(calibration_);
   }
   evidence_.noise = noise_of(runs.measured);
-  evidence_.offset_freedom =
+  evidence_.slow_freedom =
       std::max(3.0, static_cast<double>(runs.references.size() + runs.measured.size()) - 2.0);
   set_lags();
   for (std::size_t r = 0; r < runs.measured.size(); ++r) {

@@ -330,9 +330,9 @@ TEST(Certificate, IsGivenToTheEffectThatActsAndToNoneWhenNothingDoes) {
   TwinConfig biased = some_twin();
   biased.effects = {{"ft_bias", {0.5, 0.0, 0.0}}};
   Trial level(biased, 13);
-  level.evidence.offset_freedom = 1000.0;
+  level.evidence.slow_freedom = 1000.0;
   const double by_many = ask_residual(level.evidence, some_twin(), false).p;
-  level.evidence.offset_freedom = 4.0;
+  level.evidence.slow_freedom = 4.0;
   const double by_few = ask_residual(level.evidence, some_twin(), false).p;
   EXPECT_LT(by_many, 0.01);
   EXPECT_GT(by_few, 5.0 * by_many);
