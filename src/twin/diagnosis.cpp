@@ -47,6 +47,18 @@ void rank(const Tracing& tracing, std::vector<Candidate>& candidates, const std:
   std::sort(candidates.begin(), candidates.end(), by_score);
 }
 
+/// Whether a strength of the last effect is told from none by twice its standard error.
+bool last_is_told(const Candidate& candidate) {
+  const effects::EffectType& type = effects::find_effect(candidate.effects.back());
+  for (std::size_t i = 0; i < type.parameters.size(); ++i) {
+    const effects::Parameter& p = type.parameters[i];
+    if (!std::isnan(p.neutral) &&
+        std::abs(candidate.values.back()[i] - p.neutral) > 2.0 * candidate.errors.back()[i])
+      return true;
+  }
+  return false;
+}
+
 /// A candidate, how sure it is and how well it explains.
 struct Choice {
   Candidate candidate;
@@ -101,7 +113,8 @@ class Trace {
     if (one.ratio <= good_enough && one.unexplained <= 0.5 && feature == nullptr) return;
     std::vector<Candidate> pairs = tracing_.every_effect(best.candidate);
     rank(tracing_, pairs, doubt_, listed_pairs);
-    if (pairs.empty() || pairs.front().score <= best.candidate.score + better) return;
+    if (pairs.empty() || pairs.front().score <= best.candidate.score + better || !last_is_told(pairs.front()))
+      return;
     Choice both;
     both.candidate = pairs.front();
     both.p = corrected(best.candidate, both.candidate);
