@@ -13,6 +13,16 @@
 namespace wheel_twin::cosim {
 namespace {
 
+/// Acceleration of the tip of a segment (of its grouser, where wheels have them) under a force there, 1/kg.
+double tip_mobility(const wheel::FlexibleWheel& wheel) {
+  const wheel::WheelModel& model = wheel.model();
+  if (model.suspension == wheel::Suspension::rigid) return 0.0;
+  const double mass = wheel.rim_mass() / model.segments;
+  const double length = 2.0 * M_PI * model.radius / model.segments;
+  const double arm = std::hypot(0.5 * length, model.grousers > 0 ? model.grouser_height : 0.0);
+  return 1.0 / mass + arm * arm / (mass * length * length / 12.0);
+}
+
 DemSoilSettings bed_settings(const DemSettings& s, int threads, bool track_energy, double rig_step) {
   DemSoilSettings settings;
   settings.start_x = s.start_x;
@@ -47,8 +57,9 @@ DemSoil soil_under(const wheel::WheelModel& model, const dem::GranularSoil& soil
       (settings.start_x < reach || settings.start_x + reach > settings.bed.length))
     throw Error(fmt::format("dem settings '{}': a wheel at start_x {} m stands in a wall of the bed",
                             settings.name, settings.start_x));
-  return {soil, bed, segment_shapes(wheel), bed_settings(settings, threads, track_energy, rig_step),
-          ports.soil};
+  DemSoilSettings of_soil = bed_settings(settings, threads, track_energy, rig_step);
+  of_soil.rim_mobility = tip_mobility(wheel);
+  return {soil, bed, segment_shapes(wheel), of_soil, ports.soil};
 }
 
 double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel) {

@@ -33,7 +33,10 @@ struct DemSoilSettings {
   std::optional<double> step_fraction;  ///< of the Rayleigh time; none: the soil's
   dem::SleepSettings sleep;             ///< of the bed's still parts
   std::optional<BedWindow> window;      ///< none: the whole bed moves
-  bool track_energy = false;            ///< the engine's energy book; slower
+  /// What a force on a rim segment's outermost point gives its acceleration there, 1 / kg: shortens the step
+  /// where hard-pressed grains would shake a light rim. 0: a wheel that they cannot shake.
+  double rim_mobility = 0.0;
+  bool track_energy = false;  ///< the engine's energy book; slower
 };
 
 class DemSoil final : public SoilSide {

@@ -311,6 +311,23 @@ TEST(CoupledContact, AStifferSoilCarriesMoreAtTheSameSinkage) {
   EXPECT_NEAR(impulse[1] / impulse[0], 2.0, 0.1);
 }
 
+// The step goes with the mobility's square root, and, as Hertz' stiffness under a force does, with the third
+// root of the modulus.
+TEST(CoupledContact, ALightRimOnStiffGrainsShortensTheStep) {
+  const Twice twice;
+  const auto step_of = [&](double mobility, const std::vector<const rig::SoilPort*>& acting) {
+    DemSoilSettings settings = SmallRun::soil_settings(1, false);
+    settings.rim_mobility = mobility;
+    return DemSoil(test::soil(), test::small_bed(), test::shapes_of(test::small_wheel()), settings, acting)
+        .time_step();
+  };
+  const double calm = step_of(0.0, {}), shaken = step_of(1e6, {});
+  EXPECT_EQ(step_of(1e3, {}), calm);
+  EXPECT_LT(shaken, 0.5 * calm);
+  EXPECT_NEAR(step_of(4e6, {}) / shaken, 0.5, 0.01);
+  EXPECT_NEAR(step_of(1e6, {&twice}) / shaken, std::pow(2.0, -1.0 / 3.0), 0.01);
+}
+
 TEST(CoupledContact, WhatGrainsDoByThemselvesIsRefused) {
   const SlipDependent loosening;
   rig::Ports ports;
