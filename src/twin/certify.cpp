@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/error.h"
 #include "base/random.h"
 
 namespace wheel_twin::twin {
@@ -80,8 +81,13 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
     if (!fitted.usable || !base.usable) return 1.0;
     for (const std::size_t r : halves[h]) {
       std::vector<int> block;
-      const std::vector<double> without = run_residuals(evidence, r, base.model, false, &block);
-      const std::vector<double> with = run_residuals(evidence, r, fitted.model, fitted.fluctuates);
+      std::vector<double> without, with;
+      try {
+        without = run_residuals(evidence, r, base.model, false, &block);
+        with = run_residuals(evidence, r, fitted.model, fitted.fluctuates);
+      } catch (const Error&) {
+        return 1.0;  // a wheel that sinks to its axle where it was not fitted foretells nothing
+      }
       struct Block {
         double along = 0.0, square = 0.0;
       };

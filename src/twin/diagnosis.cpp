@@ -69,8 +69,7 @@ struct Choice {
 /// Tracing of one experiment to the effect or the two that explain it best.
 class Trace {
  public:
-  Trace(const TwinConfig& declared, const RunsByRole& runs, Gathering& gathering,
-        const DiagnosisOptions& options)
+  Trace(const TwinConfig& declared, RunsByRole& runs, Gathering& gathering, const DiagnosisOptions& options)
       : runs_(runs),
         gathering_(gathering),
         options_(options),
@@ -79,6 +78,7 @@ class Trace {
     if (!nothing.usable)
       throw Error(declared.name + ": the calibrated twin cannot carry the loads of the measured runs");
     before = nothing.model;
+    runs.keep_what_carries(before);
     begin_nuisance_at(gathering_.evidence(), nothing);
     all = tracing_.every_effect(nothing);
     if (!all.empty()) {
@@ -186,17 +186,16 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
     return d;
   }
   const TwinConfig declared = declared_twin(experiment);
-  const RunsByRole runs = usable_runs(experiment.name, declared, d.grids);
-  d.warnings = runs.warnings;
+  RunsByRole runs = usable_runs(experiment.name, declared, d.grids);
   d.recording_errors = runs.recording_errors;
-  for (const RunGrid* run : runs.held_out) d.held_out.push_back(run->name);
-
   Gathering gathering(declared, runs, noise_floor(experiment, grid_options.bin));
   const Evidence& evidence = gathering.evidence();
   Trace trace(declared, runs, gathering, options);
   const bool certified = trace.certified();
   trace.seek_second();
   const Choice& best = trace.best;
+  d.warnings = runs.warnings;
+  for (const RunGrid* run : runs.held_out) d.held_out.push_back(run->name);
   d.before = trace.before;
   d.omnibus = trace.omnibus;
   const bool something = d.omnibus.p < options.false_alarm_rate || certified;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "base/error.h"
 #include "effects/catalogue.h"
 #include "twin/errors_left.h"
 
@@ -62,6 +64,12 @@ Weighing::Weighing(const Gathering& gathering, const RunsByRole& runs, const Can
 
 Explanation Weighing::operator()(const Candidate& candidate) const {
   Explanation e;
+  try {
+    for (const RunGrid* run : runs_.judged()) slow_course(candidate.model, *run);
+  } catch (const Error&) {
+    e.ratio_held_out = std::numeric_limits<double>::infinity();  // it sinks where it was not fitted
+    return e;
+  }
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
   const Errors errors = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
   e.ratio = worst_ratio(errors);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "effects/catalogue.h"
 
 namespace wheel_twin::twin {
@@ -13,11 +14,24 @@ namespace {
 constexpr double largest_unevenness = 0.7;
 
 LogDeviation with_other_noise(LogDeviation simulated, const FluctuationModel& fluctuation) {
-  for (std::size_t c = 0; c < channel_count; ++c) {
+  const bool told =
+      std::any_of(simulated.begin(), simulated.end(), [](double d) { return std::isfinite(d); });
+  for (std::size_t c = 0; told && c < channel_count; ++c) {
     const double made = std::isfinite(simulated[c]) ? std::exp(simulated[c]) : 0.0;
     simulated[c] = std::log(std::max(1e-12, std::hypot(made, fluctuation.other[c]))) + fluctuation.beyond[c];
   }
   return simulated;
+}
+
+/// NaN where the soft places of the bed let the wheel sink to its axle.
+LogDeviation on_uneven_bed(const TwinConfig& model, const RunGrid& grid, const Unevenness& unevenness) {
+  try {
+    return log_deviation(grid, simulate(model, grid, unevenness));
+  } catch (const Error&) {
+    LogDeviation untold;
+    untold.fill(std::numeric_limits<double>::quiet_NaN());
+    return untold;
+  }
 }
 
 bool is_friction(const EffectSetting& setting) {
@@ -109,7 +123,7 @@ FluctuationModel fit_fluctuation(const TwinConfig& model, const std::vector<cons
   for (int iteration = 0; iteration < 3; ++iteration) {
     std::vector<LogDeviation> runs;
     for (const RunGrid* grid : references)
-      runs.push_back(log_deviation(*grid, simulate(model, *grid, fluctuation.unevenness)));
+      runs.push_back(on_uneven_bed(model, *grid, fluctuation.unevenness));
     simulated = mean_of(runs);
     if (!std::isfinite(simulated[hub])) return fluctuation;
     if (iteration < 2)
@@ -213,7 +227,7 @@ Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
   for (std::uint64_t bed = 1; bed <= beds; ++bed) {
     Unevenness unevenness = fluctuation.unevenness;
     unevenness.seed = bed;
-    deviations.push_back(log_deviation(grid, simulate(model, grid, unevenness)));
+    deviations.push_back(on_uneven_bed(model, grid, unevenness));
   }
   result.log_deviation = with_other_noise(mean_of(deviations), fluctuation);
   result.course = slow_course(model, grid);
@@ -222,7 +236,7 @@ Fluctuating simulate_fluctuating(const TwinConfig& model, const RunGrid& grid,
 
 LogDeviation predicted_log_deviation(const TwinConfig& model, const RunGrid& grid,
                                      const FluctuationModel& fluctuation) {
-  return with_other_noise(log_deviation(grid, simulate(model, grid, fluctuation.unevenness)), fluctuation);
+  return with_other_noise(on_uneven_bed(model, grid, fluctuation.unevenness), fluctuation);
 }
 
 }  // namespace wheel_twin::twin

@@ -55,6 +55,20 @@ std::vector<const RunGrid*> RunsByRole::judged() const {
   return runs;
 }
 
+void RunsByRole::keep_what_carries(const TwinConfig& twin) {
+  std::vector<const RunGrid*> kept;
+  for (const RunGrid* run : held_out) {
+    try {
+      simulate(twin, *run);
+      kept.push_back(run);
+    } catch (const Error& error) {
+      warnings.push_back(
+          fmt::format("{}: not held out, the twin cannot carry it ({})", run->name, error.what()));
+    }
+  }
+  held_out = kept;
+}
+
 RunsByRole usable_runs(const std::string& experiment, const TwinConfig& declared,
                        std::vector<RunGrid>& grids) {
   RunsByRole result;

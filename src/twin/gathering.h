@@ -23,6 +23,9 @@ struct RunsByRole {
   /// Whether the reference runs are enough for a baseline; else it is fitted along with the effects.
   bool calibrated() const { return references.size() >= 2; }
   std::vector<const RunGrid*> judged() const;  ///< measured, then held out
+
+  /// Gives up runs held out in which a twin that was not fitted to them sinks to its axle; tells of them.
+  void keep_what_carries(const TwinConfig& twin);
 };
 
 /// Sorts out what can be explained and puts errors of recording right. Throws Error when most runs are no

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "steady_run.h"
+#include "twin/gathering.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -22,6 +23,21 @@ TEST(Simulate, AWheelDoesNotSinkToItsAxleWhereSpeedsChange) {
   const Predicted masked = simulate(twin, grid);
   EXPECT_TRUE(masked.leftCols(55).isApprox(expected.leftCols(55), 1e-9));
   EXPECT_NEAR(masked(3, 58), expected(3, 58), 1e-4);
+}
+
+// What a twin says of a run that it was not fitted to can be nothing at all.
+TEST(RunsByRole, GiveUpRunsHeldOutThatTheTwinCannotCarry) {
+  TwinConfig twin;
+  twin.effects = {{"slip_loosening", {20.0, 1.0, 1.0}}};
+  const RunGrid carried = steady_run(0.2, 42.1, 60);
+  RunGrid sinking = steady_run(1.0, 42.1, 60);
+  sinking.name = "run_7.bag";
+  RunsByRole runs;
+  runs.held_out = {&carried, &sinking};
+  runs.keep_what_carries(twin);
+  EXPECT_EQ(runs.held_out, std::vector<const RunGrid*>{&carried});
+  ASSERT_EQ(runs.warnings.size(), 1U);
+  EXPECT_NE(runs.warnings.front().find("run_7.bag"), std::string::npos);
 }
 
 }  // namespace

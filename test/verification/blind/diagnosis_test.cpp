@@ -108,6 +108,15 @@ TEST_F(Loop, TheFittedSoilCarriesTheWheelInEveryBin) {
   for (const twin::RunGrid* run : runs) EXPECT_NO_THROW(twin::simulate(calibration.model, *run)) << run->name;
 }
 
+// Near the slip at which its soil gives way a twin sinks to its axle as soon as it is fitted to other runs.
+TEST_F(Loop, ASoilAboutToGiveWayIsDiagnosed) {
+  write(draw(513), "hidden", folder_.string(), 513);
+  twin::DiagnosisOptions options;
+  options.threads = 1;
+  EXPECT_EQ(twin::diagnose(logs::read_experiment((folder_ / "hidden").string()), options).verdict,
+            "no_residual");
+}
+
 /// Experiments that no one can explain, made of the logs of a drawn rig.
 class BadInput : public Loop {
  protected:
