@@ -84,7 +84,8 @@ LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows) {
 }
 
 std::vector<LogDeviation> log_deviation_by_stretch(const RunGrid& grid, const Predicted& rows) {
-  constexpr int stretches = 4;
+  constexpr int most = 4, fewest_bins = 24;  // of a stretch
+  const int stretches = std::clamp(grid.bins() / fewest_bins, 1, most);
   std::vector<LogDeviation> result;
   for (int k = 0; k < stretches; ++k)
     result.push_back(

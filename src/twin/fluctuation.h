@@ -20,7 +20,8 @@ using LogDeviation = std::array<double, channel_count>;
 /// `grid`.
 LogDeviation log_deviation(const RunGrid& grid, const Predicted& rows);
 
-/// The same for equal stretches of the run, one after another: independent views of one cause.
+/// The same for equal stretches of the run, one after another: independent views of one cause. Four, fewer of
+/// a short run.
 std::vector<LogDeviation> log_deviation_by_stretch(const RunGrid& grid, const Predicted& rows);
 
 /// Mean over stretches or runs; NaN where none can tell.

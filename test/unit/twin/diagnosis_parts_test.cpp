@@ -151,6 +151,18 @@ TEST(Fluctuation, AToneCommonToTheRunsIsTold) {
   }
 }
 
+TEST(Fluctuation, OfAShortRunIsTold) {
+  Random random(4);
+  for (const int bins : {41, 130}) {
+    RunGrid run = steady_run(0.2, 42.1, bins);
+    run.measured = Predicted::Zero(channel_rows, bins);
+    for (int i = 0; i < bins; ++i) run.measured(2, i) = 0.5 * random.normal();
+    const auto stretches = log_deviation_by_stretch(run, run.measured);
+    EXPECT_EQ(stretches.size(), bins == 41 ? 1U : 4U);
+    EXPECT_NEAR(mean_of(stretches)[2], std::log(0.5), 0.35);
+  }
+}
+
 TEST(Lag, FindsTheDelayOfTheDrawWire) {
   Random random(9);
   run_log::RunLog log;
