@@ -64,8 +64,11 @@ Weighing::Weighing(const Gathering& gathering, const RunsByRole& runs, const Can
 
 Explanation Weighing::operator()(const Candidate& candidate) const {
   Explanation e;
+  const std::vector<const RunGrid*> judged = runs_.judged();
+  std::vector<Residual> remainder;
   try {
-    for (const RunGrid* run : runs_.judged()) slow_course(candidate.model, *run);
+    for (const RunGrid* run : judged)
+      remainder.push_back(residual_of(*run, slow_course(candidate.model, *run)));
   } catch (const Error&) {
     e.ratio_held_out = std::numeric_limits<double>::infinity();  // it sinks where it was not fitted
     return e;
@@ -76,10 +79,6 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
   if (!runs_.held_out.empty())
     e.ratio_held_out =
         worst_ratio(errors_of(runs_.held_out, nothing_.model, candidate.model, held_out_noise_));
-  const std::vector<const RunGrid*> judged = runs_.judged();
-  std::vector<Residual> remainder;
-  for (const RunGrid* run : judged)
-    remainder.push_back(residual_of(*run, slow_course(candidate.model, *run)));
   // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
   if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
   e.common = common_course(judged, remainder);
