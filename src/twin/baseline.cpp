@@ -239,6 +239,12 @@ std::string sinking_in(const TwinConfig& model, const std::vector<const RunGrid*
 
 }  // namespace
 
+NoiseFloor missed_by_contact_law(const std::vector<const RunGrid*>& runs) {
+  double load = 1.0;
+  for (const RunGrid* run : runs) load = std::max(load, run->declared.load);
+  return {0.01 * load, 0.002 * load, 0.0, 2e-4, 0.001 * load, 0.0006 * load};
+}
+
 Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGrid*>& runs,
                       const NoiseFloor& floor) {
   Calibration calibration;

@@ -41,6 +41,9 @@ struct Calibration {
   FitResult fit;
 };
 
+/// Deviation of what a fitted contact law misses of the level of each channel on a real soil.
+NoiseFloor missed_by_contact_law(const std::vector<const RunGrid*>& runs);
+
 /// Fits the baseline to `runs`, then models what is left of each channel as a smooth function of slip and
 /// load (TwinConfig::corrections), then estimates the noise. `floor` as of noise_floor. Throws Error when no
 /// declared soil near the prior carries the loads.

@@ -459,6 +459,8 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
       if (problem.searched[at] && type->parameters[i].unit == "s")
         error = std::clamp(error, bin / std::sqrt(12.0), bin);
       candidate.errors.back().push_back(error);
+      const double prior = problem.unknowns[at].prior_deviation;
+      candidate.told += std::max(0.0, 1.0 - error * error / (prior * prior));
     }
     candidate.parameters += static_cast<int>(type->parameters.size());
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -54,8 +55,10 @@ struct Candidate {
   double chi_square = 0.0;  ///< of all residuals, time courses, fluctuations and lags
   std::vector<double> run_chi_square;  ///< by run
   Doubt doubt;
-  double score = 0.0;  ///< log evidence: -chi_square / 2 less a price for each parameter
+  double score = 0.0;  ///< log evidence: -chi_square / 2 less a price for each parameter told
   int parameters = 0;
+  double told = 0.0;  ///< parameters, each as far as the data narrow its prior (MacKay 1992)
+  std::shared_ptr<const Evidence> own;  ///< what it was fitted to, where not to everybody's (recalibration.h)
 };
 
 /// Residuals of one run under a model, whitened: the time course, then the fluctuation of the channels, then

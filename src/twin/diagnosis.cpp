@@ -9,6 +9,8 @@
 #include "twin/errors_left.h"
 #include "twin/explanation.h"
 #include "twin/gathering.h"
+#include "twin/parallel.h"
+#include "twin/recalibration.h"
 #include "twin/soil_doubt.h"
 #include "twin/steady_diagnosis.h"
 #include "twin/steady_runs.h"
@@ -23,6 +25,8 @@ constexpr double least_share = 0.05;  // of the excess of chi-square that a seco
 constexpr double better = 3.0;        // in the score, that a second effect must be
 constexpr std::size_t refined = 8;    // candidates that are listed
 constexpr std::size_t listed_pairs = 4;
+constexpr std::size_t other_firsts = 4;  // effects tried beside others where the likest explains nothing
+constexpr std::size_t recalibrated = 6;  // candidates that get a soil of their own, without reference runs
 
 double bin_for(const logs::Experiment& experiment) {
   const double rate = std::min(experiment.ft ? experiment.ft->rate : 100.0,
@@ -69,7 +73,8 @@ struct Choice {
 /// Tracing of one experiment to the effect or the two that explain it best.
 class Trace {
  public:
-  Trace(const TwinConfig& declared, RunsByRole& runs, Gathering& gathering, const DiagnosisOptions& options)
+  Trace(const TwinConfig& declared, const NoiseFloor& floor, RunsByRole& runs, Gathering& gathering,
+        const DiagnosisOptions& options)
       : runs_(runs),
         gathering_(gathering),
         options_(options),
@@ -89,8 +94,16 @@ class Trace {
           all.begin(), all.end(),
           [](const Candidate& x, const Candidate& y) { return x.chi_square < y.chi_square; }));
     }
-    if (runs.calibrated()) doubt_.emplace(declared, gathering.calibration(), gathering.evidence());
+    if (runs.calibrated())
+      doubt_.emplace(declared, gathering.calibration(), gathering.evidence());
+    else
+      recalibration_.emplace(declared, floor, gathering.evidence());
     rank(tracing_, all, doubt_, refined);
+    if (recalibration_) {
+      in_parallel(std::min(all.size(), recalibrated), options.threads,
+                  [&](std::size_t i) { all[i] = (*recalibration_)(all[i]); });
+      rank(tracing_, all, doubt_, refined);
+    }
     nothing = tracing_.scored(nothing);
     omnibus = ask_residual(gathering.evidence(), nothing.model, false);
     weighing.emplace(gathering, runs, nothing, omnibus, tracing_.count());
@@ -107,28 +120,19 @@ class Trace {
   /// Is one effect enough? A second must earn its place on runs it was not fitted to as well: by its share of
   /// the whole, by what stood out and is gone, or because one alone explains nothing and the two everything.
   void seek_second() {
-    const Explanation& one = best.explanation;
-    if (!certified() || one.left.p >= options_.false_alarm_rate) return;
-    const Finding* feature = plain_feature(one.left, best.candidate.effects);
-    if (one.ratio <= good_enough && one.unexplained <= 0.5 && feature == nullptr) return;
-    std::vector<Candidate> pairs = tracing_.every_effect(best.candidate);
-    rank(tracing_, pairs, doubt_, listed_pairs);
-    if (pairs.empty() || pairs.front().score <= best.candidate.score + better || !last_is_told(pairs.front()))
-      return;
-    Choice both;
-    both.candidate = pairs.front();
-    both.p = corrected(best.candidate, both.candidate);
-    if (both.p >= options_.false_alarm_rate) return;
-    both.explanation = (*weighing)(both.candidate);
-    const double share = (best.candidate.chi_square - both.candidate.chi_square) / weighing->excess();
-    const bool enough = one.ratio > good_enough && share > least_share;
-    const bool rescues = one.unexplained > 0.5 && both.explanation.unexplained < 0.5;
-    const bool clears = feature != nullptr && !still_there(*feature, both.explanation.left);
-    if (!enough && !rescues && !clears) return;
-    both.p = std::max(both.p, best.p);
-    best = std::move(both);
-    pairs.resize(std::min(listed_pairs, pairs.size()));
-    all.insert(all.end(), pairs.begin(), pairs.end());
+    const Finding* feature = plain_feature(best.explanation.left, omnibus, best.candidate.effects);
+    const bool above =
+        best.explanation.ratio > good_enough && best.explanation.left.p < options_.false_alarm_rate;
+    if (!certified() || (feature == nullptr && best.explanation.unexplained <= 0.5 && !above)) return;
+    const std::vector<Candidate> singles = all;
+    seek_beside(best, feature);
+    // Of two effects, a third may look likest to both together, and either alone explains more beside it.
+    for (std::size_t i = 1; i < std::min(singles.size(), other_firsts); ++i) {
+      if (best.explanation.unexplained <= 0.5) return;
+      Choice first{singles[i], corrected(nothing, singles[i]), (*weighing)(singles[i])};
+      if (singles[i].score > nothing.score && first.p < options_.false_alarm_rate)
+        seek_beside(first, nullptr);
+    }
   }
 
   TwinConfig before;
@@ -139,6 +143,34 @@ class Trace {
   Choice best;
 
  private:
+  /// Takes the best pair of `first` and another for the best explanation if it has earned it. `feature`: what
+  /// stands out beside `first` alone; null: nothing does.
+  void seek_beside(const Choice& first, const Finding* feature) {
+    std::vector<Candidate> pairs = tracing_.every_effect(first.candidate);
+    rank(tracing_, pairs, doubt_, listed_pairs);
+    if (pairs.empty() || pairs.front().score <= first.candidate.score + better ||
+        !last_is_told(pairs.front()))
+      return;
+    Choice both;
+    both.candidate = pairs.front();
+    both.p = corrected(first.candidate, both.candidate);
+    if (both.p >= options_.false_alarm_rate) return;
+    both.explanation = (*weighing)(both.candidate);
+    const double share = (first.candidate.chi_square - both.candidate.chi_square) / weighing->excess();
+    const bool enough = first.explanation.ratio > good_enough && share > least_share &&
+                        first.explanation.left.p < options_.false_alarm_rate;
+    const bool rescues = first.explanation.unexplained > 0.5 && both.explanation.unexplained < 0.5;
+    const bool clears = feature != nullptr && !still_there(*feature, both.explanation.left);
+    if (!enough && !rescues && !clears) return;
+    if (both.explanation.unexplained >= best.explanation.unexplained &&
+        both.candidate.score <= best.candidate.score)
+      return;
+    both.p = std::max(both.p, first.p);
+    best = std::move(both);
+    pairs.resize(std::min(listed_pairs, pairs.size()));
+    all.insert(all.end(), pairs.begin(), pairs.end());
+  }
+
   double corrected(const Candidate& base, const Candidate& candidate) const {
     const auto tests = static_cast<double>(effects::catalogue().size());
     return std::min(1.0, tests * certify(gathering_.evidence(), base, candidate));
@@ -149,6 +181,7 @@ class Trace {
   const DiagnosisOptions& options_;
   Tracing tracing_;
   std::optional<SoilDoubt> doubt_;
+  std::optional<Recalibration> recalibration_;
 };
 
 /// All candidates with their probabilities: scores of all explanations, nothing among them; what no
@@ -188,9 +221,10 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   const TwinConfig declared = declared_twin(experiment);
   RunsByRole runs = usable_runs(experiment.name, declared, d.grids);
   d.recording_errors = runs.recording_errors;
-  Gathering gathering(declared, runs, noise_floor(experiment, grid_options.bin));
+  const NoiseFloor floor = noise_floor(experiment, grid_options.bin);
+  Gathering gathering(declared, runs, floor);
   const Evidence& evidence = gathering.evidence();
-  Trace trace(declared, runs, gathering, options);
+  Trace trace(declared, floor, runs, gathering, options);
   const bool certified = trace.certified();
   trace.seek_second();
   const Choice& best = trace.best;

@@ -17,6 +17,8 @@ constexpr double nearly_gone = 0.95;      // of the squared error of every distu
 constexpr double stands_out = 6.0;        // standard errors of a feature that an explanation must have
 constexpr double turn_stands_out = 4.5;   // of one that comes once a turn, which nothing else makes
 constexpr double taken_away = 0.5;        // of such a feature, at least
+constexpr double leavings = 1.0 / 3.0;    // of a feature, that the effect which makes it may leave
+constexpr double worse = 1.5;             // error after over before, of a channel that is put off
 constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
 constexpr double certain = 0.01;          // probability of that by chance
 constexpr double worth_a_word = 0.5;      // of the noise floor, that it must have
@@ -27,23 +29,33 @@ bool acts_through_contact(const std::string& effect) {
   return place != effects::Place::sensor && place != effects::Place::log;
 }
 
+bool same_place(const Finding& a, const Finding& b) {
+  return a.run == b.run && a.channel == b.channel && a.feature == b.feature;
+}
+
 bool stands(const Finding& f) {
   return std::abs(f.z) > (f.feature == "turn" ? turn_stands_out : stands_out);
 }
 
 }  // namespace
 
-const Finding* plain_feature(const Omnibus& omnibus, const std::vector<std::string>& named) {
+const Finding* plain_feature(const Omnibus& after, const Omnibus& before,
+                             const std::vector<std::string>& named) {
   const bool other_contact = std::any_of(named.begin(), named.end(), acts_through_contact);
-  for (const Finding& f : omnibus.findings)
-    if (f.feature != "level" && !(f.feature == "lag" && other_contact) && stands(f)) return &f;
+  const auto is_leaving = [&](const Finding& f) {
+    return std::any_of(before.findings.begin(), before.findings.end(), [&](const Finding& b) {
+      return same_place(b, f) && std::abs(f.z) < leavings * std::abs(b.z);
+    });
+  };
+  for (const Finding& f : after.findings)
+    if (f.feature != "level" && !(f.feature == "lag" && other_contact) && stands(f) && !is_leaving(f))
+      return &f;
   return nullptr;
 }
 
 bool still_there(const Finding& feature, const Omnibus& after) {
   for (const Finding& f : after.findings)
-    if (f.run == feature.run && f.channel == feature.channel && f.feature == feature.feature)
-      return stands(f) && std::abs(f.z) > (1.0 - taken_away) * std::abs(feature.z);
+    if (same_place(f, feature)) return stands(f) && std::abs(f.z) > (1.0 - taken_away) * std::abs(feature.z);
   return false;
 }
 
@@ -89,8 +101,12 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
       e.common.reset();
   }
   e.stands = !omnibus_.findings.empty() && still_there(omnibus_.findings.front(), e.left);
+  const bool puts_off = std::any_of(errors.begin(), errors.end(), [](const auto& entry) {
+    const ChannelError& error = entry.second;
+    return error.after > plainly_wrong * error.noise_floor && error.after > worse * error.before;
+  });
   const double explained = 1.0 - (candidate.chi_square - count_) / excess_;
-  if (e.tone || e.common || e.stands || std::max(e.ratio, e.ratio_held_out) > never_explained)
+  if (e.tone || e.common || e.stands || puts_off || std::max(e.ratio, e.ratio_held_out) > never_explained)
     e.unexplained = 1.0;
   else if (explained > mostly_explained || least_gone(errors) > nearly_gone)
     e.unexplained = 0.0;

@@ -43,9 +43,11 @@ class Weighing {
   std::vector<NoiseModel> held_out_noise_;
 };
 
-/// The strongest feature that stands out, but for those that soils of another form than the twin's make
-/// (levels) and that the effects already `named` may make (lags); null where none stands out.
-const Finding* plain_feature(const Omnibus& omnibus, const std::vector<std::string>& named);
+/// The strongest feature that stands out of `after`, but for those that soils of another form than the twin's
+/// make (levels), that the effects already `named` may make (lags), and small leavings of what stood out
+/// `before` (an effect's own form, not another effect); null where none stands out.
+const Finding* plain_feature(const Omnibus& after, const Omnibus& before,
+                             const std::vector<std::string>& named);
 
 /// Whether a feature stands out of `after` still, by more than half of what it did.
 bool still_there(const Finding& feature, const Omnibus& after);

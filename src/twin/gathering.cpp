@@ -138,6 +138,10 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
   } else {
     evidence_.baseline.corrections.clear();
     evidence_.nuisance = unknowns_beside_shape(calibration_);
+    // Nothing tells how far the soil's form is off, which no correction of the baseline holds here.
+    const NoiseFloor missed = missed_by_contact_law(runs.measured);
+    for (std::size_t c = 0; c < channel_count; ++c)
+      calibration_.noise[c].run_offset = std::hypot(calibration_.noise[c].run_offset, missed[c]);
   }
   evidence_.noise = noise_of(runs.measured);
   evidence_.slow_freedom =

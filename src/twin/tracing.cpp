@@ -30,6 +30,7 @@ Candidate Tracing::nothing() const {
 }
 
 std::vector<Candidate> Tracing::every_effect(const Candidate& base) const {
+  const Evidence& evidence = base.own ? *base.own : evidence_;
   std::vector<std::string> names;
   for (const effects::EffectType& type : effects::catalogue())
     if (std::find(base.effects.begin(), base.effects.end(), type.name) == base.effects.end())
@@ -45,7 +46,7 @@ std::vector<Candidate> Tracing::every_effect(const Candidate& base) const {
   };
   std::vector<double> foretold(names.size());
   in_parallel(names.size(), threads_, [&](std::size_t i) {
-    foretold[i] = foretold_chi_square(evidence_, with(names[i]), runs_, base.values);
+    foretold[i] = foretold_chi_square(evidence, with(names[i]), runs_, base.values);
     progress.update(0.5 * ++done);
   });
   std::vector<std::size_t> order(names.size());
@@ -55,7 +56,8 @@ std::vector<Candidate> Tracing::every_effect(const Candidate& base) const {
   order.resize(std::min(order.size(), base.effects.empty() ? fitted_singles : fitted_pairs));
   std::vector<Candidate> candidates(order.size());
   in_parallel(order.size(), threads_, [&](std::size_t i) {
-    candidates[i] = scored(fit_candidate(evidence_, with(names[order[i]]), runs_, base.values));
+    candidates[i] = scored(fit_candidate(evidence, with(names[order[i]]), runs_, base.values));
+    candidates[i].own = base.own;
     progress.update(0.5 * (done += 1));
   });
   candidates.erase(
@@ -73,7 +75,7 @@ void Tracing::judge_again(Candidate& candidate) const {
 }
 
 Candidate Tracing::scored(Candidate candidate) const {
-  candidate.score = -0.5 * candidate.chi_square / temperature_ - price_ * candidate.parameters;
+  candidate.score = -0.5 * candidate.chi_square / temperature_ - price_ * candidate.told;
   const Doubt& doubt = candidate.doubt;
   if (doubt.slope.size() == 0) return candidate;
   // Over soils: r^T (T + D D^T)^-1 r + ln det (1 + D^T D / T) with the temperature T instead of r^T r / T.

@@ -26,7 +26,9 @@ EffectSetting read_effect(const yaml::Map& map) {
   const effects::EffectType& type = effects::find_effect(setting.name);
   const yaml::Map values = map.map("parameters");
   for (const effects::Parameter& p : type.parameters)
-    setting.values.push_back(values.number(p.name, {p.lower, p.upper}));
+    setting.values.push_back(!values.has(p.name) && !std::isnan(p.neutral)
+                                 ? p.neutral
+                                 : values.number(p.name, {p.lower, p.upper}));
   values.finish();
   map.finish();
   return setting;

@@ -202,15 +202,19 @@ TEST(SoilEffects, FollowTheirDefinitions) {
   EXPECT_NEAR(respond("soil_cohesion", {900}).cohesion, 900, 1e-12);
 }
 
-TEST(SoilEffects, RockResistsOnItsRiseAndPushesOnItsFall) {
-  EXPECT_NEAR(respond("buried_rock", {0.3, 0.02, 1.5}).stiffness, 2.5, 1e-12);
+TEST(SoilEffects, RockResistsOnItsRiseAndPushesOnItsFallAsFarAsItIsClimbed) {
+  const std::vector<double> climbed = {0.3, 0.02, 1.5, 1.0, 0.0}, passed = {0.3, 0.02, 1.5, 0.0, 6.0};
+  EXPECT_NEAR(respond("buried_rock", climbed).stiffness, 2.5, 1e-12);
   rig::RigState before = some_state();
   before.x = 0.28;
   rig::RigState after = before;
   after.x = 0.32;
-  EXPECT_LT(respond("buried_rock", {0.3, 0.02, 1.5}, before).added_force.x(), 0.0);
-  EXPECT_GT(respond("buried_rock", {0.3, 0.02, 1.5}, after).added_force.x(), 0.0);
-  EXPECT_NEAR(respond("buried_rock", {0.3, 0.02, 1.5}).added_force.x(), 0.0, 1e-12);
+  EXPECT_LT(respond("buried_rock", climbed, before).added_force.x(), 0.0);
+  EXPECT_GT(respond("buried_rock", climbed, after).added_force.x(), 0.0);
+  EXPECT_NEAR(respond("buried_rock", climbed).added_force.x(), 0.0, 1e-12);
+  EXPECT_NEAR(respond("buried_rock", passed).added_force.x(), -6.0, 1e-12);
+  EXPECT_NEAR(respond("buried_rock", passed, before).added_force.x(), -6.0 * std::exp(-0.5), 1e-12);
+  EXPECT_NEAR(respond("buried_rock", passed, after).added_force.x(), -6.0 * std::exp(-0.5), 1e-12);
 }
 
 TEST(SlipLoosening, StiffnessFallsWithSlipOfBothSigns) {

@@ -17,6 +17,7 @@
 #include "twin/lag.h"
 #include "twin/likeliest_effect.h"
 #include "twin/noise.h"
+#include "twin/recalibration.h"
 #include "twin/twin_config.h"
 
 namespace wheel_twin::twin {
@@ -220,6 +221,11 @@ TEST(TwinFile, ComesBackAsItWasWritten) {
   write_twin(twin, path);
   const TwinConfig read = read_twin(path);
   EXPECT_EQ(twin_text(read), twin_text(twin));
+  twin.effects = {{"buried_rock", {0.3, 0.02, 1.5, 1.0, 0.0}}};
+  std::string shorter = twin_text(twin);
+  shorter.erase(shorter.find("    climbing"), shorter.find("corrections") - shorter.find("    climbing"));
+  write_file(path, shorter);
+  EXPECT_EQ(twin_text(read_twin(path)), twin_text(twin)) << "what is not given is neutral";
   write_file(path, twin_text(twin) + "colour: red\n");
   try {
     read_twin(path);
@@ -277,6 +283,30 @@ struct Trial {
     }
   }
 };
+
+// The form of the soil that was fitted with nothing acting has bent after the effect, and stays bent while the
+// effect is fitted on top of it.
+TEST(Recalibration, GivesAnEffectTheSoilThatItsRunsHaveWithoutIt) {
+  TwinConfig truth = some_twin();
+  truth.soil.phi = 0.6;
+  truth.soil.c1 = 0.35;
+  truth.effects = {{"ft_misalignment", {0.05, 0.0}}};
+  const Trial trial(truth, 4);
+  const NoiseFloor floor{0.02, 0.02, 0.02, 2e-5, 4e-4, 2e-3};
+  const Calibration bent = calibrate(some_twin(), trial.evidence.runs, floor);
+  Evidence evidence = trial.evidence;
+  evidence.baseline = bent.model;
+  evidence.baseline.corrections.clear();
+  evidence.nuisance = unknowns_beside_shape(bent);
+  const std::vector<std::size_t> all = {0, 1, 2, 3, 4};
+  const Candidate before = fit_candidate(evidence, {"ft_misalignment"}, all);
+  const Candidate after = Recalibration(some_twin(), floor, evidence)(before);
+  ASSERT_TRUE(before.usable);
+  ASSERT_NE(after.own, nullptr);
+  EXPECT_LT(after.chi_square, before.chi_square);
+  EXPECT_NEAR(after.values[0][0], 0.05, 3.0 * after.errors[0][0]);
+  EXPECT_LT(std::abs(after.model.soil.c1 - 0.35), std::abs(before.model.soil.c1 - 0.35));
+}
 
 TEST(LikeliestEffect, IsNamedFromOneRunAndNothingIsWithinTheBand) {
   NoiseModel band = rig_noise();

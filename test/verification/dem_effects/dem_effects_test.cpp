@@ -210,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(
         StiffnessCase{"density_gradient", {5.0}, [](double x, double) { return 1.0 + 5.0 * x; }},
         StiffnessCase{"hard_layer", {0.012}, [](double, double z) { return 1.0 + std::pow(z / 0.012, 3.0); }},
         StiffnessCase{"buried_rock",
-                      {0.03, 0.01, 12.0},
+                      {0.03, 0.01, 12.0, 1.0, 0.0},
                       [](double x, double) {
                         const double u = (x - 0.03) / 0.01;
                         return 1.0 + 12.0 * std::exp(-0.5 * u * u);
