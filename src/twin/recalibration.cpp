@@ -9,7 +9,7 @@
 namespace wheel_twin::twin {
 namespace {
 
-constexpr int iterations = 8;
+constexpr int iterations = 30;
 
 /// `run` less what the effects of `model` do to it.
 RunGrid freed(const RunGrid& run, const TwinConfig& model) {
