@@ -62,9 +62,11 @@ DemSoil soil_under(const wheel::WheelModel& model, const dem::GranularSoil& soil
   return {soil, bed, segment_shapes(wheel), of_soil, ports.soil};
 }
 
-double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel) {
+double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel, const rig::Ports& ports) {
   constexpr double gap = 1e-4;  // m
-  return soil.first_touch(0.0, outermost_radius(wheel), wheel.model().width) - rim_radius(wheel) + gap;
+  double rise = 0.0;
+  for (const rig::WheelPort* port : ports.wheel) rise += port->hub_rise(rig::RigState());
+  return soil.first_touch(0.0, outermost_radius(wheel), wheel.model().width) - rim_radius(wheel) + rise + gap;
 }
 
 DemContact::DemContact(const wheel::WheelModel& wheel, const dem::GranularSoil& soil,
@@ -80,7 +82,7 @@ DemContact::DemContact(const wheel::WheelModel& wheel, const dem::GranularSoil& 
     : report_(bed.report),
       soil_(soil_under(wheel, soil, bed, settings, ports, threads, track_energy, rig_step)),
       coupled_(wheel, soil_, ports),
-      clearance_(start_clearance(soil_, coupled_.wheel())) {}
+      clearance_(start_clearance(soil_, coupled_.wheel(), ports)) {}
 
 void DemContact::write_checkpoint(const std::string& path) const {
   dem::Archive archive = soil_archive(soil_);

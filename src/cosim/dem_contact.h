@@ -21,8 +21,8 @@ DemSoil soil_under(const wheel::WheelModel& model, const dem::GranularSoil& soil
                    bool track_energy = false, double rig_step = 0.001);
 
 /// Height of the hub above its first touch with a level surface (rig z = 0) at which a run can start, m: no
-/// grain touches the wheel, grousers included.
-double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel);
+/// grain touches the wheel, grousers included, where its ports put it.
+double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel, const rig::Ports& ports);
 
 class DemContact final : public rig::Contact {
  public:

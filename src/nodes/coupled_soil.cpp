@@ -37,7 +37,7 @@ class Soil final : public Answerer<SegmentMotion, SegmentLoads> {
                                     acting.ports, settings_.threads));
     answer.soil = settings_.soil_name;
     answer.settings = settings_.dem.name;
-    answer.clearance = cosim::start_clearance(*soil_, wheel);
+    answer.clearance = cosim::start_clearance(*soil_, wheel, acting.ports);
     answer.time_step = soil_->time_step();
     if (question.state.empty()) return;
     const dem::Archive archive =

@@ -275,6 +275,20 @@ TEST(CoupledContact, AnEccentricWheelSitsLower) {
   EXPECT_NEAR(plain.contact.wheel().hub().position.z() - run.contact.wheel().hub().position.z(), 1e-3, 1e-12);
 }
 
+TEST(DemContact, ARunStartsHigherByWhatAnEccentricWheelSitsLower) {
+  const Eccentric eccentric;
+  rig::Ports ports;
+  ports.wheel.push_back(&eccentric);
+  SmallRun run(1, false, test::small_wheel(), ports);
+  const wheel::FlexibleWheel& wheel = run.contact.wheel();
+  rig::HubMotion motion;
+  motion.position.z() = start_clearance(run.dem, wheel, ports);
+  EXPECT_NEAR(motion.position.z() - start_clearance(run.dem, wheel, {}), 1e-3, 1e-12);
+  EXPECT_EQ(run.contact.advance(motion).force_hub_rig.z(),
+            SmallRun().contact.advance(motion).force_hub_rig.z())
+      << "a grain touches the wheel at the start";
+}
+
 TEST(CoupledContact, ASlopeTurnsTheBedAgainstTheRig) {
   const Slope slope;
   rig::Ports ports;
