@@ -29,6 +29,16 @@ bool acts_through_contact(const std::string& effect) {
   return place != effects::Place::sensor && place != effects::Place::log;
 }
 
+/// Without reference runs a run's offset is mostly what the soil's form misses, in all runs alike: one draw,
+/// of which two deviations are nothing unusual.
+std::vector<NoiseModel> judged_by(std::vector<NoiseModel> noise, const RunsByRole& runs) {
+  constexpr double not_unusual = 2.0;
+  if (!runs.calibrated())
+    for (NoiseModel& of_run : noise)
+      for (ChannelNoise& channel : of_run) channel.run_offset *= not_unusual;
+  return noise;
+}
+
 bool same_place(const Finding& a, const Finding& b) {
   return a.run == b.run && a.channel == b.channel && a.feature == b.feature;
 }
@@ -72,6 +82,7 @@ Weighing::Weighing(const Gathering& gathering, const RunsByRole& runs, const Can
       omnibus_(omnibus),
       count_(count),
       excess_(std::max(1.0, nothing.chi_square - count)),
+      noise_(judged_by(evidence_.noise, runs)),
       held_out_noise_(gathering.noise_of(runs.held_out)) {}
 
 Explanation Weighing::operator()(const Candidate& candidate) const {
@@ -86,11 +97,11 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
     return e;
   }
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
-  const Errors errors = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
+  const Errors errors = errors_of(runs_.measured, nothing_.model, candidate.model, noise_);
   e.ratio = worst_ratio(errors);
   if (!runs_.held_out.empty())
-    e.ratio_held_out =
-        worst_ratio(errors_of(runs_.held_out, nothing_.model, candidate.model, held_out_noise_));
+    e.ratio_held_out = worst_ratio(
+        errors_of(runs_.held_out, nothing_.model, candidate.model, judged_by(held_out_noise_, runs_)));
   // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
   if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
   e.common = common_course(judged, remainder);

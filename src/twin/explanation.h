@@ -40,6 +40,7 @@ class Weighing {
   const Candidate& nothing_;
   const Omnibus& omnibus_;
   double count_, excess_;
+  std::vector<NoiseModel> noise_;  ///< of the measured runs, as errors are judged by it
   std::vector<NoiseModel> held_out_noise_;
 };
 
