@@ -68,6 +68,13 @@ Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& befo
   return errors;
 }
 
+Errors with_floors_of(const std::vector<NoiseModel>& noise, const std::vector<const RunGrid*>& runs,
+                      Errors errors) {
+  for (auto& [channel, error] : errors)
+    error.noise_floor = common_floor(runs, noise, static_cast<Eigen::Index>(index_of(channel)));
+  return errors;
+}
+
 double worst_ratio(const Errors& errors) {
   double worst = 0.0;
   for (const auto& [channel, error] : errors) {

@@ -18,6 +18,10 @@ constexpr double plainly_wrong = 2.0;  ///< error after over noise floor at whic
 Errors errors_of(const std::vector<const RunGrid*>& runs, const TwinConfig& before, const TwinConfig& after,
                  const std::vector<NoiseModel>& noise);
 
+/// The same errors against the floors of other `noise` of their `runs`.
+Errors with_floors_of(const std::vector<NoiseModel>& noise, const std::vector<const RunGrid*>& runs,
+                      Errors errors);
+
 /// The worst ratio of error to noise floor over the channels that the hidden cause disturbs: those that were
 /// little above the floor before, and are no worse now, speak of the baseline.
 double worst_ratio(const Errors& errors);

@@ -97,7 +97,8 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
     return e;
   }
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
-  const Errors errors = errors_of(runs_.measured, nothing_.model, candidate.model, noise_);
+  const Errors left = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
+  const Errors errors = with_floors_of(noise_, runs_.measured, left);
   e.ratio = worst_ratio(errors);
   if (!runs_.held_out.empty())
     e.ratio_held_out = worst_ratio(
@@ -106,8 +107,8 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
   if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
   e.common = common_course(judged, remainder);
   if (e.common) {
-    const auto error = errors.find(e.common->channel);
-    const double least = error == errors.end() ? 0.0 : worth_a_word * error->second.noise_floor;
+    const auto error = left.find(e.common->channel);
+    const double least = error == left.end() ? 0.0 : worth_a_word * error->second.noise_floor;
     if (e.common->p > certain || e.common->share < plainly_common || e.common->deviation < least)
       e.common.reset();
   }
