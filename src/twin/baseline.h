@@ -41,8 +41,8 @@ struct Calibration {
   FitResult fit;
 };
 
-/// Deviation of what a fitted contact law misses of the level of each channel on a real soil: about twice what
-/// the fit tolerates; the load is what the slide carries, which no law misses.
+/// Deviation of what a fitted contact law misses of the level of each channel on a real soil: about twice
+/// what the fit tolerates; the load is what the slide carries, which no law misses.
 NoiseFloor missed_by_contact_law(const std::vector<const RunGrid*>& runs);
 
 /// Fits the baseline to `runs`, then models what is left of each channel as a smooth function of slip and

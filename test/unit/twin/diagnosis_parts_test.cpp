@@ -284,8 +284,8 @@ struct Trial {
   }
 };
 
-// The form of the soil that was fitted with nothing acting has bent after the effect, and stays bent while the
-// effect is fitted on top of it.
+// The form of the soil that was fitted with nothing acting has bent after the effect, and stays bent while
+// the effect is fitted on top of it.
 TEST(Recalibration, GivesAnEffectTheSoilThatItsRunsHaveWithoutIt) {
   TwinConfig truth = some_twin();
   truth.soil.phi = 0.6;
