@@ -61,6 +61,11 @@ struct Candidate {
   std::shared_ptr<const Evidence> own;  ///< what it was fitted to, where not to everybody's (recalibration.h)
 };
 
+/// What `candidate` was fitted to, `shared` being everybody's.
+inline const Evidence& evidence_of(const Candidate& candidate, const Evidence& shared) {
+  return candidate.own ? *candidate.own : shared;
+}
+
 /// Residuals of one run under a model, whitened: the time course, then the fluctuation of the channels, then
 /// the lag of the draw wire. With `with_fluctuation` the model runs on an uneven bed (several times the
 /// cost), else its channels are taken to fluctuate as `held` says, by default as the baseline's. `block` as

@@ -77,10 +77,9 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
   for (int h = 0; h < 2; ++h) {
     Candidate base = nothing;
     if (!evidence.nuisance.empty())
-      base = fit_candidate(nothing.own ? *nothing.own : evidence, nothing.effects, halves[1 - h],
-                           nothing.values, 6);
-    const Candidate fitted = fit_candidate(candidate.own ? *candidate.own : evidence, candidate.effects,
-                                           halves[1 - h], candidate.values, 6);
+      base = fit_candidate(evidence_of(nothing, evidence), nothing.effects, halves[1 - h], nothing.values, 6);
+    const Candidate fitted = fit_candidate(evidence_of(candidate, evidence), candidate.effects, halves[1 - h],
+                                           candidate.values, 6);
     if (!fitted.usable || !base.usable) return 1.0;
     for (const std::size_t r : halves[h]) {
       std::vector<int> block;

@@ -30,7 +30,7 @@ Candidate Tracing::nothing() const {
 }
 
 std::vector<Candidate> Tracing::every_effect(const Candidate& base) const {
-  const Evidence& evidence = base.own ? *base.own : evidence_;
+  const Evidence& evidence = evidence_of(base, evidence_);
   std::vector<std::string> names;
   for (const effects::EffectType& type : effects::catalogue())
     if (std::find(base.effects.begin(), base.effects.end(), type.name) == base.effects.end())
