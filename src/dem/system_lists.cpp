@@ -166,15 +166,15 @@ void System::Impl::build_inner(std::size_t part) {
 
 void System::Impl::tune() {
   // A list that lasts n steps costs its making over n; every step of skin adds candidates in proportion. The
-  // best n is where the two are equal. Lists do not change results, so measured times may decide.
-  if (cost.list_refreshes < 4 || cost.steps == 0 || cost.candidates == 0) return;
+  // best n is where the two are equal. Counted, not timed: what a run does is the same on a busy machine.
+  constexpr double kPairsAVisit = 6.0;  // an outer pair in a list's making over a candidate in a step
+  if (cost.list_refreshes < 4 || cost.candidates == 0) return;
+  std::size_t visited = 0;
+  for (const auto& part : outer.i) visited += part.size();
   const double lasted = std::max<double>(1.0, static_cast<double>(step - last_refresh));
-  const double refresh_seconds = cost.seconds_lists / static_cast<double>(cost.list_refreshes);
-  const double pair_seconds =
-      cost.seconds_contacts / static_cast<double>(cost.steps) / static_cast<double>(cost.candidates);
   const double idle = static_cast<double>(cost.candidates) - static_cast<double>(touching);
   const double growth = std::max(1.0, idle) / lasted;
-  const double best = std::sqrt(refresh_seconds / std::max(1e-12, pair_seconds * growth));
+  const double best = std::sqrt(kPairsAVisit * static_cast<double>(visited) / growth);
   inner_steps = std::clamp(0.8 * inner_steps + 0.2 * best, 8.0, 100.0);
 }
 
