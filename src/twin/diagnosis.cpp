@@ -115,7 +115,9 @@ class Trace {
 
   /// An effect that foretells runs, yet is less likely than none, is none.
   bool likelier() const { return best.candidate.score > nothing.score; }
-  bool certified() const { return likelier() && best.p < options_.false_alarm_rate; }
+  bool certified() const {
+    return likelier() && best.p < options_.false_alarm_rate && !best.explanation.misleads;
+  }
 
   /// Is one effect enough? A second must earn its place on runs it was not fitted to as well: by its share of
   /// the whole, by what stood out and is gone, or because one alone explains nothing and the two everything.
@@ -156,6 +158,7 @@ class Trace {
     both.p = corrected(first.candidate, both.candidate);
     if (both.p >= options_.false_alarm_rate) return;
     both.explanation = (*weighing)(both.candidate);
+    if (both.explanation.misleads) return;
     const double share = (first.candidate.chi_square - both.candidate.chi_square) / weighing->excess();
     const bool enough = first.explanation.ratio > good_enough && share > least_share &&
                         first.explanation.left.p < options_.false_alarm_rate;

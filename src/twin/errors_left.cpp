@@ -85,6 +85,14 @@ double worst_ratio(const Errors& errors) {
   return worst;
 }
 
+double added(const Errors& errors) {
+  double sum = 0.0;
+  for (const auto& [channel, error] : errors)
+    sum +=
+        (error.after * error.after - error.before * error.before) / (error.noise_floor * error.noise_floor);
+  return sum;
+}
+
 double least_gone(const Errors& errors) {
   double least = 1.0;
   bool disturbed = false;

@@ -26,6 +26,9 @@ Errors with_floors_of(const std::vector<NoiseModel>& noise, const std::vector<co
 /// little above the floor before, and are no worse now, speak of the baseline.
 double worst_ratio(const Errors& errors);
 
+/// Squared error that is added, after less before, in squared noise floors, summed over the channels.
+double added(const Errors& errors);
+
 /// The least share of a disturbed channel's squared error that is gone.
 double least_gone(const Errors& errors);
 

@@ -19,6 +19,7 @@ constexpr double turn_stands_out = 4.5;   // of one that comes once a turn, whic
 constexpr double taken_away = 0.5;        // of such a feature, at least
 constexpr double leavings = 1.0 / 3.0;    // of a feature, that the effect which makes it may leave
 constexpr double worse = 1.5;             // error after over before, of a channel that is put off
+constexpr double misleading = 0.1;        // squared floors that runs held out may be further off
 constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
 constexpr double certain = 0.01;          // probability of that by chance
 constexpr double worth_a_word = 0.5;      // of the noise floor, that it must have
@@ -94,15 +95,19 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
       remainder.push_back(residual_of(*run, slow_course(candidate.model, *run)));
   } catch (const Error&) {
     e.ratio_held_out = std::numeric_limits<double>::infinity();  // it sinks where it was not fitted
+    e.misleads = true;
     return e;
   }
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
   const Errors left = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
   const Errors errors = with_floors_of(noise_, runs_.measured, left);
   e.ratio = worst_ratio(errors);
-  if (!runs_.held_out.empty())
-    e.ratio_held_out = worst_ratio(
-        errors_of(runs_.held_out, nothing_.model, candidate.model, judged_by(held_out_noise_, runs_)));
+  if (!runs_.held_out.empty()) {
+    const Errors held_out =
+        errors_of(runs_.held_out, nothing_.model, candidate.model, judged_by(held_out_noise_, runs_));
+    e.ratio_held_out = worst_ratio(held_out);
+    e.misleads = added(held_out) > misleading;
+  }
   // Friction is read from how much channels fluctuate, whatever the cause; it does not hum.
   if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
   e.common = common_course(judged, remainder);

@@ -16,6 +16,7 @@ struct Explanation {
   Omnibus left;                        ///< what stands out of the residual still
   double ratio = 0.0;                  ///< worst error over noise floor, runs that were fitted
   double ratio_held_out = 0.0;         ///< the same, runs held out
+  bool misleads = false;               ///< runs held out are further from it than from none
   std::optional<double> tone;          ///< Hz, where a machine hums
   std::optional<CommonCourse> common;  ///< what follows the clock in all runs
   bool stands = false;                 ///< what stood out most does so still

@@ -10,12 +10,18 @@
 namespace wheel_twin::twin {
 namespace {
 
+/// What no effect of the catalogue does.
+const char* lacks(const Grounds& g) {
+  if (!g.likelier) return "is likelier than none";
+  return g.explanation.misleads ? "brings the twin nearer to the runs held out"
+                                : "foretells runs that it was not fitted to";
+}
+
 std::string nothing_found(const Diagnosis& d, const Grounds& g) {
   return fmt::format(
       "The residual of the calibrated twin is noise: no feature of any run stands out (corrected p = {:.2g}) "
       "and no effect of the catalogue {} (best: {}, corrected p = {:.2g}).",
-      d.omnibus.p, g.likelier ? "predicts runs that it was not fitted to" : "is likelier than none",
-      effect_list(g.best.effects), g.p_best);
+      d.omnibus.p, lacks(g), effect_list(g.best.effects), g.p_best);
 }
 
 std::string found(const Diagnosis& d, const Grounds& g) {
@@ -48,8 +54,7 @@ std::string no_explanation(const Diagnosis& d, const Grounds& g) {
   if (g.evidence.runs.size() < 2)
     return "With one measured run no effect can be put to the test on a run it was not fitted to.";
   if (!g.certified)
-    return fmt::format("No effect of the catalogue {}: the best is {} (corrected p = {:.2g}).",
-                       g.likelier ? "foretells runs that it was not fitted to" : "is likelier than none",
+    return fmt::format("No effect of the catalogue {}: the best is {} (corrected p = {:.2g}).", lacks(g),
                        best, g.p_best);
   if (g.explanation.stands) {
     const Finding& strongest = d.omnibus.findings.front();

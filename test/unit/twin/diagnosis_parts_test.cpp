@@ -12,6 +12,7 @@
 #include "steady_run.h"
 #include "twin/baseline.h"
 #include "twin/certify.h"
+#include "twin/errors_left.h"
 #include "twin/fit.h"
 #include "twin/fluctuation.h"
 #include "twin/lag.h"
@@ -53,6 +54,15 @@ NoiseModel rig_noise() {
     noise[c].rest_offset = 0.1 * deviation[c];
   }
   return noise;
+}
+
+TEST(ErrorsLeft, AnEffectThatPutsRunsFurtherOffAdds) {
+  Errors errors;
+  errors[Channel::drawbar_pull] = {0.3, 0.4, 0.5};         // (0.16 - 0.09) / 0.25
+  errors[Channel::hub_displacement] = {2e-3, 1e-3, 1e-3};  // (1 - 4) / 1
+  EXPECT_NEAR(added(errors), 0.28 - 3.0, 1e-12);
+  std::swap(errors[Channel::hub_displacement].before, errors[Channel::hub_displacement].after);
+  EXPECT_NEAR(added(errors), 0.28 + 3.0, 1e-12);
 }
 
 TEST(LeastSquares, FindsALineWithItsCovariance) {

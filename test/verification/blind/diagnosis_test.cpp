@@ -117,6 +117,15 @@ TEST_F(Loop, ASoilAboutToGiveWayIsDiagnosed) {
             "no_residual");
 }
 
+// Of what a soil of another form leaves, one half of the runs foretells the other: not the runs held out.
+TEST_F(Loop, WhatPutsRunsHeldOutFurtherOffIsNoEffect) {
+  write(draw(604), "hidden", folder_.string(), 604);
+  twin::DiagnosisOptions options;
+  options.threads = 1;
+  const twin::Diagnosis found = twin::diagnose(logs::read_experiment((folder_ / "hidden").string()), options);
+  EXPECT_EQ(found.verdict, "no_residual") << found.evidence;
+}
+
 /// Experiments that no one can explain, made of the logs of a drawn rig.
 class BadInput : public Loop {
  protected:
