@@ -84,9 +84,7 @@ wheel::HubMotion CoupledContact::hub_at(const rig::HubMotion& motion) const {
   const auto rise_at = [&](double angle) {
     rig::RigState state = state_at(motion);
     state.wheel_angle = angle;
-    double rise = 0.0;
-    for (const rig::WheelPort* port : ports_.wheel) rise += port->hub_rise(state);
-    return rise;
+    return rig::hub_rise(ports_, state);
   };
   constexpr double small = 1e-4;  // rad
   hub.position.z() -= rise_at(motion.wheel_angle);

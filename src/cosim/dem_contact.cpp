@@ -64,9 +64,8 @@ DemSoil soil_under(const wheel::WheelModel& model, const dem::GranularSoil& soil
 
 double start_clearance(const DemSoil& soil, const wheel::FlexibleWheel& wheel, const rig::Ports& ports) {
   constexpr double gap = 1e-4;  // m
-  double rise = 0.0;
-  for (const rig::WheelPort* port : ports.wheel) rise += port->hub_rise(rig::RigState());
-  return soil.first_touch(0.0, outermost_radius(wheel), wheel.model().width) - rim_radius(wheel) + rise + gap;
+  return soil.first_touch(0.0, outermost_radius(wheel), wheel.model().width) - rim_radius(wheel) +
+         rig::hub_rise(ports, rig::RigState()) + gap;
 }
 
 DemContact::DemContact(const wheel::WheelModel& wheel, const dem::GranularSoil& soil,

@@ -86,4 +86,11 @@ struct Ports {
   std::vector<const SensorPort*> sensor;
 };
 
+/// How far the hub is lifted over the ideal wheel by all of `ports`, m.
+inline double hub_rise(const Ports& ports, const RigState& state) {
+  double rise = 0.0;
+  for (const WheelPort* port : ports.wheel) rise += port->hub_rise(state);
+  return rise;
+}
+
 }  // namespace wheel_twin::rig

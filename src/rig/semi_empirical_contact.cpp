@@ -111,7 +111,7 @@ HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
   const Moment m = moment(motion);
   const RigState rig = rig_state(motion, m);
 
-  double slope = 0.0, rise = 0.0;
+  double slope = 0.0;
   SoilChange change;
   const PortFactor factor(ports_.soil, rig);
   for (const SoilPort* port : ports_.soil) {
@@ -121,11 +121,10 @@ HubLoad SemiEmpiricalContact::advance(const HubMotion& motion) {
     change.stiffness_factor *= port->stiffness_factor(rig);
     if (port->layered()) change.depth_factor = &factor;
   }
-  for (const WheelPort* port : ports_.wheel) rise += port->hub_rise(rig);
   now_.surface = before_.surface + (now_.x - before_.x) * std::tan(slope);
   const double cos_a = std::cos(slope), sin_a = std::sin(slope);
 
-  const double h = (now_.surface - motion.position.z() + rise) * cos_a;
+  const double h = (now_.surface - motion.position.z() + hub_rise(ports_, rig)) * cos_a;
   HubLoad load;
   if (h <= 0.0) {
     state_ = ContactState{};

@@ -142,19 +142,28 @@ TwinConfig declared_twin(const logs::Experiment& experiment) {
   return model;
 }
 
+namespace {
+
+std::vector<Unknown> soil_unknowns(const TwinConfig& m) {
+  return {{"ln_stiffness", 0.0, -6.0, 6.0, 0.3, 0.0, 1.5},
+          {"n", m.soil.n, 0.3, 2.0, 0.1, m.soil.n, 0.1},
+          {"c", m.soil.c, 0.0, 2e4, 200.0, m.soil.c, 200.0},
+          {"phi", m.soil.phi, 0.2, 1.1, 0.05, m.soil.phi, 0.12},
+          {"ln_K", 0.0, -3.0, 3.0, 0.2, 0.0, 0.7},
+          {"c1", m.soil.c1, 0.0, 1.0, 0.05, m.soil.c1, 0.15},
+          {"c2", m.soil.c2, -0.8, 0.8, 0.05, m.soil.c2, 0.1},
+          {"gamma", m.soil.gamma, 0.0, 1.0, 0.1, m.soil.gamma, 0.3}};
+}
+
+}  // namespace
+
 std::vector<Unknown> baseline_unknowns(const TwinConfig& m) {
-  std::vector<Unknown> u = {
-      {"ln_stiffness", 0.0, -6.0, 6.0, 0.3, 0.0, 1.5},
-      {"n", m.soil.n, 0.3, 2.0, 0.1, m.soil.n, 0.1},
-      {"c", m.soil.c, 0.0, 2e4, 200.0, m.soil.c, 200.0},
-      {"phi", m.soil.phi, 0.2, 1.1, 0.05, m.soil.phi, 0.12},
-      {"ln_K", 0.0, -3.0, 3.0, 0.2, 0.0, 0.7},
-      {"c1", m.soil.c1, 0.0, 1.0, 0.05, m.soil.c1, 0.15},
-      {"c2", m.soil.c2, -0.8, 0.8, 0.05, m.soil.c2, 0.1},
-      {"gamma", m.soil.gamma, 0.0, 1.0, 0.1, m.soil.gamma, 0.3},
+  std::vector<Unknown> u = soil_unknowns(m);
+  const std::vector<Unknown> of_rig = {
       {"arm_z", m.rig.mount.arm_z, -1.0, 1.0, 0.02, m.rig.mount.arm_z, 0.3},
       {"drive_torque_share", m.rig.mount.drive_torque_share, -1.0, 1.0, 0.1, 0.0, 3.0},
       {"drive_loss", m.rig.drive.coulomb_loss, 0.0, 5.0, 0.02, m.rig.drive.coulomb_loss, 0.1}};
+  u.insert(u.end(), of_rig.begin(), of_rig.end());
   if (m.wheel.stiffness) u.push_back({"ln_hub_stiffness", 0.0, -2.0, 2.0, 0.1, 0.0, 0.2});
   return u;
 }
@@ -267,9 +276,7 @@ Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGri
   // The few bins that were fitted can be carried by a soil that lets the wheel sink between them: then one
   // nearer to the declared one.
   const std::vector<double> fitted = calibration.fit.x;
-  const auto soil_end = std::find_if(calibration.unknowns.begin(), calibration.unknowns.end(),
-                                     [](const Unknown& u) { return u.name == "arm_z"; });
-  const auto soil_count = static_cast<std::size_t>(soil_end - calibration.unknowns.begin());
+  const std::size_t soil_count = soil_unknowns(declared).size();  // they come first
   std::string sinking;
   for (const double share : {1.0, 0.75, 0.5, 0.25}) {
     for (std::size_t i = 0; i < soil_count; ++i) {
