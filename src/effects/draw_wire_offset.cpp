@@ -26,7 +26,8 @@ EffectType draw_wire_offset() {
           Place::sensor,
           {{"offset", "m", -0.1, 0.1, 0.002, 0.0}},
           "Set the zero at first touch of the undisturbed soil again.",
-          "A soil softer by a constant amount looks alike on one load; forces do not change with the offset.",
+          "A soil softer by a constant amount looks alike on one load; forces do not change with the offset. "
+          "Logs that begin with the wheel hanging free show it at first touch.",
           construct<DrawWireOffset>};
 }
 

@@ -25,7 +25,9 @@ EffectType rig_compliance() {
           Place::rig,
           {{"vertical_compliance", "m/N", 0.0, 0.001, 0.00003, 0.0}},
           "Press the wheel on a rigid floor and compare draw wire and load.",
-          "On one load it looks like draw_wire_offset; two loads separate them.",
+          "On one load it looks like draw_wire_offset; two loads separate them, or logs that begin with the "
+          "wheel "
+          "hanging free.",
           construct<RigCompliance>};
 }
 

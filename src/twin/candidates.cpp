@@ -155,7 +155,26 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
     if (block != nullptr) block->push_back(next);
     ++next;
   }
+  if (run < evidence.zero.size() && std::isfinite(evidence.zero[run])) {
+    const double off = (evidence.zero[run] - zero_of(model, grid)) / evidence.zero_error;
+    out.push_back(std::clamp(off, -12.0, 12.0));
+    if (block != nullptr) block->push_back(next);
+  }
   return out;
+}
+
+double zero_of(const TwinConfig& model, const RunGrid& run) {
+  rig::RigState state;
+  state.wheel_angle = run.motion.front().wheel_angle;
+  double displacement = 0.0;
+  for (const EffectSetting& setting : model.effects) {
+    const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
+    rig::Ports ports;
+    effect->attach(ports);
+    displacement -= rig::hub_rise(ports, state);
+    for (const rig::SensorPort* port : ports.sensor) port->change_displacement(state, 0.0, displacement);
+  }
+  return displacement - draw_wire_delay(model) * (run.touch ? run.touch->speed : 0.0);
 }
 
 double draw_wire_delay(const TwinConfig& model) {

@@ -29,6 +29,9 @@ struct Evidence {
   std::vector<std::vector<double>>
       lag;  ///< of each run, by stretch: of the draw wire behind the wrench, s, less that of the references
   double lag_error = 0.05;  ///< of a stretch, s
+  /// Of each run: reading of the draw wire at first touch, m, less that of the references; NaN: not known.
+  std::vector<double> zero;
+  double zero_error = 0.0;  ///< of a run, m
 
   FluctuationModel fluctuation_of(std::size_t run) const {
     FluctuationModel model = fluctuation;
@@ -73,6 +76,10 @@ inline const Evidence& evidence_of(const Candidate& candidate, const Evidence& s
 std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, const TwinConfig& model,
                                   bool with_fluctuation, std::vector<int>* block = nullptr,
                                   const LogDeviation* held = nullptr);
+
+/// What the draw wire of a model reads when the wheel of `run` first touches the soil, less what it would
+/// read without effects, m.
+double zero_of(const TwinConfig& model, const RunGrid& run);
 
 /// The same as chi-square over a choice of runs.
 std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& model,

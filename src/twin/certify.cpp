@@ -192,6 +192,14 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
     const double late = std::accumulate(lags.begin(), lags.end(), 0.0) / n - draw_wire_delay(model);
     note("all runs", Channel::hub_displacement, "lag", late, evidence.lag_error / std::sqrt(n));
   }
+  double off = 0.0, known = 0.0;
+  for (std::size_t r = 0; r < evidence.zero.size(); ++r) {
+    if (!std::isfinite(evidence.zero[r])) continue;
+    off += evidence.zero[r] - zero_of(model, *evidence.runs[r]);
+    known += 1.0;
+  }
+  if (known > 0.0)
+    note("all runs", Channel::hub_displacement, "zero", off / known, evidence.zero_error / std::sqrt(known));
   std::sort(result.findings.begin(), result.findings.end(),
             [](const Finding& a, const Finding& b) { return std::abs(a.z) > std::abs(b.z); });
   for (const Finding& f : result.findings) result.p = std::min(result.p, asked * f.p);

@@ -137,6 +137,31 @@ class Trace {
     }
   }
 
+  /// The first of two was chosen alone: beside the second another may explain more.
+  void seek_first_again() {
+    if (best.candidate.effects.size() < 2) return;
+    Candidate second;
+    second.effects = {best.candidate.effects.back()};
+    second.values = {best.candidate.values.back()};
+    second.own = best.candidate.own;
+    std::vector<Candidate> pairs = tracing_.every_effect(second);
+    pairs.erase(std::remove_if(
+                    pairs.begin(), pairs.end(),
+                    [&](const Candidate& c) { return c.effects.back() == best.candidate.effects.front(); }),
+                pairs.end());
+    rank(tracing_, pairs, doubt_, listed_pairs);
+    pairs.resize(std::min(listed_pairs, pairs.size()));
+    all.insert(all.end(), pairs.begin(), pairs.end());
+    if (pairs.empty() || pairs.front().score <= best.candidate.score) return;
+    Choice other;
+    other.candidate = pairs.front();
+    other.p = std::max(best.p, corrected(nothing, other.candidate));
+    if (other.p >= options_.false_alarm_rate) return;
+    other.explanation = (*weighing)(other.candidate);
+    if (other.explanation.misleads || other.explanation.unexplained > best.explanation.unexplained) return;
+    best = std::move(other);
+  }
+
   TwinConfig before;
   Candidate nothing;
   Omnibus omnibus;
@@ -230,6 +255,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   Trace trace(declared, floor, runs, gathering, options);
   const bool certified = trace.certified();
   trace.seek_second();
+  trace.seek_first_again();
   const Choice& best = trace.best;
   d.warnings = runs.warnings;
   for (const RunGrid* run : runs.held_out) d.held_out.push_back(run->name);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <optional>
 
 #include "base/error.h"
@@ -147,6 +148,7 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
   evidence_.slow_freedom =
       std::max(3.0, static_cast<double>(runs.references.size() + runs.measured.size()) - 2.0);
   set_lags();
+  set_zeros();
   for (std::size_t r = 0; r < runs.measured.size(); ++r) {
     const RunGrid& run = *runs.measured[r];
     evidence_.log_deviation.push_back(log_deviation_by_stretch(run, measured_.residuals[r].bins));
@@ -175,6 +177,28 @@ void Gathering::set_lags() {
     count += 1.0;
   }
   evidence_.lag_error = std::hypot(lag_error, std::sqrt(count) * own_lag);
+}
+
+/// Where the draw wire reads that the wheel touches, against the reference runs.
+void Gathering::set_zeros() {
+  constexpr double least_error = 3e-4;  // m: sampling, and how soon a soil carries
+  constexpr std::size_t fewest = 3;     // reference runs
+  if (!runs_.recording_errors.empty()) return;
+  std::vector<double> of_references;
+  for (const RunGrid* run : runs_.references)
+    if (run->touch) of_references.push_back(run->touch->displacement);
+  if (of_references.size() < fewest) return;
+  const auto n = static_cast<double>(of_references.size());
+  const double mean = std::accumulate(of_references.begin(), of_references.end(), 0.0) / n;
+  double square = 0.0;
+  for (const double zero : of_references) square += (zero - mean) * (zero - mean);
+  double known = 0.0;
+  for (const RunGrid* run : evidence_.runs) {
+    evidence_.zero.push_back(run->touch ? run->touch->displacement - mean : std::nan(""));
+    if (run->touch) known += 1.0;
+  }
+  // All runs share what the references' mean is off by.
+  evidence_.zero_error = std::max(least_error, std::sqrt(square / (n - 1.0))) * std::sqrt(1.0 + known / n);
 }
 
 void Gathering::take_noise_from(const TwinConfig& explanation) {

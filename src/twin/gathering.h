@@ -56,6 +56,7 @@ class Gathering {
   };
 
   void set_lags();
+  void set_zeros();
 
   const RunsByRole& runs_;
   NoiseFloor floor_;

@@ -237,6 +237,7 @@ RunGrid grid_of(const logs::Run& declared, const std::string& name, const run_lo
   mask_changes_of_speed(grid, radius);
   mask_settling(grid);
   take_averages(grid);
+  grid.touch = first_touch(log);
   grid.lag = draw_wire_lag(log);
   grid.lag_curves = lag_curves(log);
   return grid;

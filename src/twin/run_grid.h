@@ -13,6 +13,7 @@
 #include "rig/replay.h"
 #include "run_log/run_log.h"
 #include "twin/channel.h"
+#include "twin/first_touch.h"
 #include "twin/lag.h"
 
 namespace wheel_twin::twin {
@@ -40,6 +41,7 @@ struct RunGrid {
   Eigen::VectorXd slip;                                          ///< of the measured speeds, by bin
   std::vector<bool> moving;  ///< wheel or carriage moves throughout the bin
   std::vector<WindowMean> windows;
+  std::optional<FirstTouch> touch;
   std::optional<Lag> lag;               ///< of the draw wire behind the wrench
   std::optional<LagCurves> lag_curves;  ///< of the same
 

@@ -11,8 +11,10 @@
 #include "base/random.h"
 #include "steady_run.h"
 #include "twin/baseline.h"
+#include "twin/candidates.h"
 #include "twin/certify.h"
 #include "twin/errors_left.h"
+#include "twin/first_touch.h"
 #include "twin/fit.h"
 #include "twin/fluctuation.h"
 #include "twin/lag.h"
@@ -63,6 +65,52 @@ TEST(ErrorsLeft, AnEffectThatPutsRunsFurtherOffAdds) {
   EXPECT_NEAR(added(errors), 0.28 - 3.0, 1e-12);
   std::swap(errors[Channel::hub_displacement].before, errors[Channel::hub_displacement].after);
   EXPECT_NEAR(added(errors), 0.28 + 3.0, 1e-12);
+}
+
+/// A wheel let down at 10 mm/s from 2 mm above the soil on a bed of 5 N/mm, to 50 N; the wire is off by
+/// `offset` (m) and the wrench's zero by `tare` (N).
+run_log::RunLog let_down(double offset, double tare) {
+  run_log::RunLog log;
+  for (int i = 0; i < 500; ++i) {
+    const double t = 0.02 * i;
+    const double depth = std::min(0.01, 0.01 * t - 0.002);
+    log.ft.time.push_back(t);
+    log.ft.force.emplace_back(0.0, 0.0, tare + 5000.0 * std::max(0.0, depth));
+    log.ft.torque.emplace_back(0.0, 0.0, 0.0);
+    log.draw_wire.time.push_back(t);
+    log.draw_wire.value.push_back(depth + offset);
+  }
+  return log;
+}
+
+TEST(FirstTouch, IsWhereTheLoadFirstShows) {
+  for (const double offset : {0.0, 0.003, -0.004}) {
+    const auto touch = first_touch(let_down(offset, 0.7));
+    ASSERT_TRUE(touch);
+    EXPECT_NEAR(touch->displacement, offset, 2.1e-4);  // a sample at 10 mm/s
+    EXPECT_NEAR(touch->speed, 0.01, 1e-9);
+  }
+}
+
+TEST(FirstTouch, NothingOfAWheelThatStandsOnTheSoil) {
+  run_log::RunLog log = let_down(0.0, 0.0);
+  for (auto* times : {&log.ft.time, &log.draw_wire.time}) times->erase(times->begin(), times->begin() + 100);
+  log.ft.force.erase(log.ft.force.begin(), log.ft.force.begin() + 100);
+  log.draw_wire.value.erase(log.draw_wire.value.begin(), log.draw_wire.value.begin() + 100);
+  EXPECT_FALSE(first_touch(log));
+}
+
+TEST(FirstTouch, AnOffsetIsReadThereAndACompliantRigIsNot) {
+  RunGrid run;
+  run.motion.resize(1);
+  run.touch = FirstTouch{0.003, 0.01};
+  TwinConfig twin = some_twin();
+  twin.effects = {{"draw_wire_offset", {0.003}}};
+  EXPECT_DOUBLE_EQ(zero_of(twin, run), 0.003);
+  twin.effects = {{"rig_compliance", {3e-5}}, {"draw_wire_scale", {0.1}}};
+  EXPECT_DOUBLE_EQ(zero_of(twin, run), 0.0);
+  twin.effects = {{"clock_skew", {0.1}}};  // late: the wire has read less
+  EXPECT_DOUBLE_EQ(zero_of(twin, run), -0.001);
 }
 
 TEST(LeastSquares, FindsALineWithItsCovariance) {

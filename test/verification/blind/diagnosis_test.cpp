@@ -117,6 +117,13 @@ TEST_F(Loop, ASoilAboutToGiveWayIsDiagnosed) {
             "no_residual");
 }
 
+// On one load a compliant rig is an offset of the wire, but for what it reads as the wheel first touches.
+TEST_F(Loop, AnOffsetOfTheWireIsToldFromACompliantRig) {
+  const twin::Diagnosis found = diagnosis_of({{"draw_wire_offset", {0.002}}});
+  EXPECT_EQ(named(found), std::vector<std::string>{"draw_wire_offset"}) << found.evidence;
+  EXPECT_GT(found.candidates.front().probability, 0.7);  // the two alike: a half at most
+}
+
 // Of what a soil of another form leaves, one half of the runs foretells the other: not the runs held out.
 TEST_F(Loop, WhatPutsRunsHeldOutFurtherOffIsNoEffect) {
   write(draw(604), "hidden", folder_.string(), 604);
