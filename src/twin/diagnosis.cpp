@@ -110,6 +110,12 @@ class Trace {
     best.candidate = all.empty() ? nothing : all.front();
     best.p = all.empty() ? 1.0 : corrected(nothing, best.candidate);
     best.explanation = (*weighing)(best.candidate);
+    // Of what looks alike, what puts the runs held out further off is not it.
+    for (std::size_t i = 1; best.explanation.misleads && i < all.size(); ++i) {
+      if (all[i].score < all.front().score - better) break;
+      Choice next{all[i], corrected(nothing, all[i]), (*weighing)(all[i])};
+      if (!next.explanation.misleads) best = std::move(next);
+    }
     if (all.size() > refined) all.resize(refined);
   }
 
