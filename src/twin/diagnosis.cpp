@@ -53,6 +53,7 @@ void rank(const Tracing& tracing, std::vector<Candidate>& candidates, const std:
 
 /// Whether a strength of the last effect is told from none by twice its standard error.
 bool last_is_told(const Candidate& candidate) {
+  if (candidate.effects.empty()) return false;
   const effects::EffectType& type = effects::find_effect(candidate.effects.back());
   for (std::size_t i = 0; i < type.parameters.size(); ++i) {
     const effects::Parameter& p = type.parameters[i];
@@ -110,11 +111,12 @@ class Trace {
     best.candidate = all.empty() ? nothing : all.front();
     best.p = all.empty() ? 1.0 : corrected(nothing, best.candidate);
     best.explanation = (*weighing)(best.candidate);
-    // Of what looks alike, what puts the runs held out further off is not it.
-    for (std::size_t i = 1; best.explanation.misleads && i < all.size(); ++i) {
+    // Of what looks alike, what puts the runs held out further off, or is but another soil, is not it.
+    const bool something = omnibus.p < options.false_alarm_rate;
+    for (std::size_t i = 1; something && best.explanation.refuted() && i < all.size(); ++i) {
       if (all[i].score < all.front().score - better) break;
       Choice next{all[i], corrected(nothing, all[i]), (*weighing)(all[i])};
-      if (!next.explanation.misleads) best = std::move(next);
+      if (!next.explanation.refuted()) best = std::move(next);
     }
     if (all.size() > refined) all.resize(refined);
   }
@@ -122,7 +124,8 @@ class Trace {
   /// An effect that foretells runs, yet is less likely than none, is none.
   bool likelier() const { return best.candidate.score > nothing.score; }
   bool certified() const {
-    return likelier() && best.p < options_.false_alarm_rate && !best.explanation.misleads;
+    return likelier() && best.p < options_.false_alarm_rate && !best.explanation.refuted() &&
+           last_is_told(best.candidate);
   }
 
   /// Is one effect enough? A second must earn its place on runs it was not fitted to as well: by its share of
@@ -164,7 +167,7 @@ class Trace {
     other.p = std::max(best.p, corrected(nothing, other.candidate));
     if (other.p >= options_.false_alarm_rate) return;
     other.explanation = (*weighing)(other.candidate);
-    if (other.explanation.misleads || other.explanation.unexplained > best.explanation.unexplained) return;
+    if (other.explanation.refuted() || other.explanation.unexplained > best.explanation.unexplained) return;
     best = std::move(other);
   }
 
@@ -189,7 +192,7 @@ class Trace {
     both.p = corrected(first.candidate, both.candidate);
     if (both.p >= options_.false_alarm_rate) return;
     both.explanation = (*weighing)(both.candidate);
-    if (both.explanation.misleads) return;
+    if (both.explanation.refuted()) return;
     const double share = (first.candidate.chi_square - both.candidate.chi_square) / weighing->excess();
     const bool enough = first.explanation.ratio > good_enough && share > least_share &&
                         first.explanation.left.p < options_.false_alarm_rate;

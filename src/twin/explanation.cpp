@@ -30,6 +30,10 @@ bool acts_through_contact(const std::string& effect) {
   return place != effects::Place::sensor && place != effects::Place::log;
 }
 
+bool changes_soil(const std::string& effect) {
+  return effects::find_effect(effect).place == effects::Place::soil;
+}
+
 /// Without reference runs a run's offset is mostly what the soil's form misses, in all runs alike: one draw,
 /// of which two deviations are nothing unusual.
 std::vector<NoiseModel> judged_by(std::vector<NoiseModel> noise, const RunsByRole& runs) {
@@ -99,6 +103,9 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
     return e;
   }
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
+  e.of_soil = !runs_.calibrated() &&
+              std::any_of(candidate.effects.begin(), candidate.effects.end(), changes_soil) &&
+              plain_feature(omnibus_, {}, {}) == nullptr;
   const Errors left = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
   const Errors errors = with_floors_of(noise_, runs_.measured, left);
   e.ratio = worst_ratio(errors);

@@ -17,10 +17,13 @@ struct Explanation {
   double ratio = 0.0;                  ///< worst error over noise floor, runs that were fitted
   double ratio_held_out = 0.0;         ///< the same, runs held out
   bool misleads = false;               ///< runs held out are further from it than from none
+  bool of_soil = false;                ///< without reference runs it is but another soil
   std::optional<double> tone;          ///< Hz, where a machine hums
   std::optional<CommonCourse> common;  ///< what follows the clock in all runs
   bool stands = false;                 ///< what stood out most does so still
   double unexplained = 1.0;            ///< probability that it is no explanation
+
+  bool refuted() const { return misleads || of_soil; }
 };
 
 class Weighing {

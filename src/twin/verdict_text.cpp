@@ -13,8 +13,9 @@ namespace {
 /// What no effect of the catalogue does.
 const char* lacks(const Grounds& g) {
   if (!g.likelier) return "is likelier than none";
-  return g.explanation.misleads ? "brings the twin nearer to the runs held out"
-                                : "foretells runs that it was not fitted to";
+  if (g.explanation.misleads) return "brings the twin nearer to the runs held out";
+  return g.explanation.of_soil ? "is told from another soil, which needs reference runs"
+                               : "foretells runs that it was not fitted to";
 }
 
 std::string nothing_found(const Diagnosis& d, const Grounds& g) {
