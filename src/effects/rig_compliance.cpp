@@ -21,14 +21,14 @@ class RigCompliance final : public Effect, public rig::SensorPort {
 }  // namespace
 
 EffectType rig_compliance() {
-  return {"rig_compliance",
-          Place::rig,
-          {{"vertical_compliance", "m/N", 0.0, 0.001, 0.00003, 0.0}},
-          "Press the wheel on a rigid floor and compare draw wire and load.",
-          "On one load it looks like draw_wire_offset; two loads separate them, or logs that begin with the "
-          "wheel "
-          "hanging free.",
-          construct<RigCompliance>};
+  return {
+      "rig_compliance",
+      Place::rig,
+      {{"vertical_compliance", "m/N", 0.0, 0.001, 0.00003, 0.0}},
+      "Press the wheel on a rigid floor and compare draw wire and load.",
+      "On one load it looks like draw_wire_offset; two loads separate them, or logs that begin with a wheel "
+      "that hangs free.",
+      construct<RigCompliance>};
 }
 
 }  // namespace wheel_twin::effects

@@ -19,11 +19,10 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
 struct Finding {
   std::string run;  ///< or "all runs"
   Channel channel = Channel::drawbar_pull;
-  std::string
-      feature;        ///< level, trend, fluctuation, turn (once a wheel turn), place, lag, zero (of the wire)
-  double size = 0.0;  ///< in the unit of the channel (fluctuation: ratio; lag: s)
-  double z = 0.0;     ///< in standard errors
-  double p = 1.0;     ///< of noise alone, not corrected for the number of features asked
+  std::string feature;  ///< level, trend, fluctuation, turn (once a wheel turn), place, lag, zero (of a wire)
+  double size = 0.0;    ///< in the unit of the channel (fluctuation: ratio; lag: s)
+  double z = 0.0;       ///< in standard errors
+  double p = 1.0;       ///< of noise alone, not corrected for the number of features asked
 };
 
 struct Omnibus {
