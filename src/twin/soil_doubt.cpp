@@ -57,11 +57,11 @@ SoilDoubt::SoilDoubt(const TwinConfig& declared, const Calibration& calibration,
   }
 }
 
-Eigen::VectorXd SoilDoubt::residuals(const TwinConfig& model) const {
+Eigen::VectorXd SoilDoubt::residuals(const TwinConfig& model, bool with_fluctuation) const {
   std::vector<double> all;
   try {
     for (std::size_t r = 0; r < evidence_.runs.size(); ++r) {
-      const std::vector<double> one = run_residuals(evidence_, r, model, false);
+      const std::vector<double> one = run_residuals(evidence_, r, model, with_fluctuation);
       all.insert(all.end(), one.begin(), one.end());
     }
   } catch (const Error&) {
@@ -77,7 +77,9 @@ void SoilDoubt::add_to(Candidate& candidate) const {
     return residuals(soil);
   };
   const Eigen::VectorXd here = with_effects(soils_.front());
-  if (here.size() == 0) return;
+  // The residuals that the candidate's chi-square is of, or more could be taken off it than it is.
+  const Eigen::VectorXd left = candidate.fluctuates ? residuals(candidate.model, true) : here;
+  if (here.size() == 0 || left.size() != here.size()) return;
   Eigen::MatrixXd change = Eigen::MatrixXd::Zero(here.size(), static_cast<Eigen::Index>(soils_.size()) - 1);
   for (std::size_t k = 1; k < soils_.size(); ++k) {
     const Eigen::VectorXd there = with_effects(soils_[k]);
@@ -86,7 +88,7 @@ void SoilDoubt::add_to(Candidate& candidate) const {
     change.col(static_cast<Eigen::Index>(k) - 1) = there - here - (undisturbed_[k] - undisturbed_.front());
   }
   candidate.doubt.information = change.transpose() * change;
-  candidate.doubt.slope = change.transpose() * here;
+  candidate.doubt.slope = change.transpose() * left;
 
   // Information on the parameters, and how much of it the soil takes.
   Eigen::MatrixXd slopes(here.size(), candidate.parameters);

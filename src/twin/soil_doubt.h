@@ -21,7 +21,7 @@ class SoilDoubt {
 
  private:
   /// Whitened residuals of all runs; empty when the twin cannot carry them.
-  Eigen::VectorXd residuals(const TwinConfig& model) const;
+  Eigen::VectorXd residuals(const TwinConfig& model, bool with_fluctuation = false) const;
 
   const Evidence& evidence_;
   std::vector<TwinConfig> soils_;             // the calibrated one, then one step along each direction
