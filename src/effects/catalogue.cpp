@@ -17,6 +17,7 @@ const std::vector<EffectType>& catalogue() {
       draw_wire_offset(),
       draw_wire_scale(),
       draw_wire_jump(),
+      draw_wire_drift(),
       clock_skew(),
       carriage_speed_error(),
       dead_weight_error(),

@@ -18,6 +18,7 @@ EffectType ft_crosstalk();
 EffectType draw_wire_offset();
 EffectType draw_wire_scale();
 EffectType draw_wire_jump();
+EffectType draw_wire_drift();
 EffectType clock_skew();
 EffectType carriage_speed_error();
 EffectType dead_weight_error();

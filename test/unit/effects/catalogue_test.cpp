@@ -161,6 +161,7 @@ TEST(SensorEffects, FollowTheirDefinitions) {
   EXPECT_NEAR(respond("ft_crosstalk", {2.0}).wrench.force.x(), 5.0 - 1.6, 1e-12);
   EXPECT_NEAR(respond("draw_wire_offset", {0.002}).displacement, 0.022, 1e-12);
   EXPECT_NEAR(respond("draw_wire_scale", {0.1}).displacement, 0.022, 1e-12);
+  EXPECT_NEAR(respond("draw_wire_drift", {1e-4}).displacement, 0.022, 1e-12);
   EXPECT_NEAR(respond("clock_skew", {-0.2}).delay, -0.2, 1e-12);
   EXPECT_NEAR(respond("rig_compliance", {1e-4}).displacement, 0.02 + 42e-4, 1e-12);
 }
