@@ -62,7 +62,8 @@ bool is_searched(const effects::Parameter& p) {
          ((p.unit == "m" && p.name == "position") || (p.unit == "s" && p.name == "time"));
 }
 
-/// Where a fit of one effect begins: half a scale to either side of neutral, and shape parameters on a grid.
+/// Where a fit of one effect begins: strengths to either side of neutral, and shape parameters on a grid. The
+/// first is strong enough to show whether the effect changes how much channels fluctuate.
 std::vector<std::vector<double>> starts_of(const effects::EffectType& type, const Evidence& evidence) {
   std::vector<std::vector<double>> starts = {{}};
   bool first_strength = true;
@@ -71,6 +72,9 @@ std::vector<std::vector<double>> starts_of(const effects::EffectType& type, cons
     if (!std::isnan(p.neutral)) {
       if (p.neutral >= p.upper) {  // a depth: the shallower, the stronger
         choices = {p.lower + 0.2 * p.scale, p.lower + p.scale};
+      } else if (type.parameters.size() == 1 && p.neutral <= p.lower) {
+        for (const double size : {1.0, 0.15, 0.3, 0.5, 0.7, 1.5, 3.0})
+          choices.push_back(p.neutral + size * p.scale);
       } else if (type.parameters.size() == 1) {
         for (const double size : {0.3, 1.0, 3.0})
           for (const double sign : {1.0, -1.0}) {

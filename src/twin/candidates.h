@@ -10,6 +10,7 @@
 #include "twin/baseline.h"
 #include "twin/fit.h"
 #include "twin/fluctuation.h"
+#include "twin/tones.h"
 
 namespace wheel_twin::twin {
 
@@ -31,7 +32,8 @@ struct Evidence {
   double lag_error = 0.05;  ///< of a stretch, s
   /// Of each run: reading of the draw wire at first touch, m, less that of the references; NaN: not known.
   std::vector<double> zero;
-  double zero_error = 0.0;  ///< of a run, m
+  double zero_error = 0.0;        ///< of a run, m
+  std::vector<SharedTone> tones;  ///< that no reference run has
 
   FluctuationModel fluctuation_of(std::size_t run) const {
     FluctuationModel model = fluctuation;

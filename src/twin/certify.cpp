@@ -120,7 +120,7 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
                         double error, std::optional<double> freedom = std::nullopt) {
     if (!std::isfinite(size) || !(error > 0.0)) return;
     ++asked;
-    result.findings.push_back({run, channel, feature, size, size / error, tail(size / error, freedom)});
+    result.findings.push_back({run, channel, feature, size, size / error, tail(size / error, freedom), {}});
   };
   for (std::size_t r = 0; r < evidence.runs.size(); ++r) {
     const RunGrid& grid = *evidence.runs[r];
@@ -200,6 +200,12 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
   }
   if (known > 0.0)
     note("all runs", Channel::hub_displacement, "zero", off / known, evidence.zero_error / std::sqrt(known));
+  for (const SharedTone& shared : evidence.tones) {
+    ++asked;
+    const Tone& tone = shared.tone;
+    const double z = std::sqrt(-2.0 * std::log(std::clamp(tone.p, 1e-300, 1.0)));  // of such a tail, about
+    result.findings.push_back({"most runs", shared.channel, "tone", tone.amplitude, z, tone.p, shared});
+  }
   std::sort(result.findings.begin(), result.findings.end(),
             [](const Finding& a, const Finding& b) { return std::abs(a.z) > std::abs(b.z); });
   for (const Finding& f : result.findings) result.p = std::min(result.p, asked * f.p);

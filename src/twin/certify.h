@@ -4,6 +4,7 @@
 // anything" is asked of every run's features with Bonferroni's correction.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,12 @@ double certify(const Evidence& evidence, const Candidate& nothing, const Candida
 struct Finding {
   std::string run;  ///< or "all runs"
   Channel channel = Channel::drawbar_pull;
-  std::string feature;  ///< level, trend, fluctuation, turn (once a wheel turn), place, lag, zero (of a wire)
-  double size = 0.0;    ///< in the unit of the channel (fluctuation: ratio; lag: s)
-  double z = 0.0;       ///< in standard errors
-  double p = 1.0;       ///< of noise alone, not corrected for the number of features asked
+  /// level, trend, fluctuation, turn (once a wheel turn), place, lag, zero (of a wire), tone (of a machine)
+  std::string feature;
+  double size = 0.0;               ///< in the unit of the channel (fluctuation: ratio; lag: s)
+  double z = 0.0;                  ///< in standard errors
+  double p = 1.0;                  ///< of noise alone, not corrected for the number of features asked
+  std::optional<SharedTone> tone;  ///< what hums
 };
 
 struct Omnibus {

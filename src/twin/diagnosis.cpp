@@ -88,7 +88,7 @@ class Trace {
     begin_nuisance_at(gathering_.evidence(), nothing);
     all = tracing_.every_effect(nothing);
     if (!all.empty()) {
-      gathering_.take_noise_from(all.front().model);
+      gathering_.take_noise_from(all);
       tracing_.judge_again(nothing);
       for (Candidate& c : all) tracing_.judge_again(c);
       tracing_.set_temperature(*std::min_element(
@@ -96,7 +96,7 @@ class Trace {
           [](const Candidate& x, const Candidate& y) { return x.chi_square < y.chi_square; }));
     }
     if (runs.calibrated())
-      doubt_.emplace(declared, gathering.calibration(), gathering.evidence());
+      doubt_.emplace(gathering.soils(), gathering.evidence());
     else
       recalibration_.emplace(declared, floor, gathering.evidence());
     rank(tracing_, all, doubt_, refined);
@@ -131,18 +131,17 @@ class Trace {
   /// Is one effect enough? A second must earn its place on runs it was not fitted to as well: by its share of
   /// the whole, by what stood out and is gone, or because one alone explains nothing and the two everything.
   void seek_second() {
-    const Finding* feature = plain_feature(best.explanation.left, omnibus, best.candidate.effects);
     const bool above =
         best.explanation.ratio > good_enough && best.explanation.left.p < options_.false_alarm_rate;
-    if (!certified() || (feature == nullptr && best.explanation.unexplained <= 0.5 && !above)) return;
+    if (!certified() || (best.explanation.remains.empty() && best.explanation.unexplained <= 0.5 && !above))
+      return;
     const std::vector<Candidate> singles = all;
-    seek_beside(best, feature);
+    seek_beside(best);
     // Of two effects, a third may look likest to both together, and either alone explains more beside it.
     for (std::size_t i = 1; i < std::min(singles.size(), other_firsts); ++i) {
       if (best.explanation.unexplained <= 0.5) return;
       Choice first{singles[i], corrected(nothing, singles[i]), (*weighing)(singles[i])};
-      if (singles[i].score > nothing.score && first.p < options_.false_alarm_rate)
-        seek_beside(first, nullptr);
+      if (singles[i].score > nothing.score && first.p < options_.false_alarm_rate) seek_beside(first);
     }
   }
 
@@ -179,9 +178,8 @@ class Trace {
   Choice best;
 
  private:
-  /// Takes the best pair of `first` and another for the best explanation if it has earned it. `feature`: what
-  /// stands out beside `first` alone; null: nothing does.
-  void seek_beside(const Choice& first, const Finding* feature) {
+  /// Takes the best pair of `first` and another for the best explanation if it has earned it.
+  void seek_beside(const Choice& first) {
     std::vector<Candidate> pairs = tracing_.every_effect(first.candidate);
     rank(tracing_, pairs, doubt_, listed_pairs);
     if (pairs.empty() || pairs.front().score <= first.candidate.score + better ||
@@ -194,10 +192,14 @@ class Trace {
     both.explanation = (*weighing)(both.candidate);
     if (both.explanation.refuted()) return;
     const double share = (first.candidate.chi_square - both.candidate.chi_square) / weighing->excess();
-    const bool enough = first.explanation.ratio > good_enough && share > least_share &&
+    // A small share of a large whole is enough where it was plainly wrong without and is right with it.
+    const bool mends = first.explanation.ratio > plainly_wrong &&
+                       std::max(both.explanation.ratio, both.explanation.ratio_held_out) < good_enough;
+    const bool enough = first.explanation.ratio > good_enough && (share > least_share || mends) &&
                         first.explanation.left.p < options_.false_alarm_rate;
     const bool rescues = first.explanation.unexplained > 0.5 && both.explanation.unexplained < 0.5;
-    const bool clears = feature != nullptr && !still_there(*feature, both.explanation.left);
+    const std::vector<Finding>& remains = first.explanation.remains;
+    const bool clears = !remains.empty() && !still_there(remains.front(), both.explanation.left);
     if (!enough && !rescues && !clears) return;
     if (both.explanation.unexplained >= best.explanation.unexplained &&
         both.candidate.score <= best.candidate.score)

@@ -12,6 +12,7 @@
 #include "effects/catalogue.h"
 #include "twin/json_parts.h"
 #include "twin/page.h"
+#include "twin/residual_text.h"
 #include "twin/steady_page.h"
 
 namespace wheel_twin::twin {
@@ -169,6 +170,7 @@ std::string diagnosis_json(const Diagnosis& d) {
                                             {"feature", f.feature},
                                             {"size", number_json(f.size)},
                                             {"standard_errors", number_json(f.z)}});
+    if (f.tone) json["residual"]["findings"].back()["tone"] = frequency_of(*f.tone);
   }
   if (d.steady) json.update(steady_json(*d.steady));
   json["warnings"] = d.warnings;

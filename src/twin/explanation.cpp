@@ -17,12 +17,13 @@ constexpr double nearly_gone = 0.95;      // of the squared error of every distu
 constexpr double stands_out = 6.0;        // standard errors of a feature that an explanation must have
 constexpr double turn_stands_out = 4.5;   // of one that comes once a turn, which nothing else makes
 constexpr double taken_away = 0.5;        // of such a feature, at least
-constexpr double leavings = 1.0 / 3.0;    // of a feature, that the effect which makes it may leave
+constexpr double leavings = 0.2;          // of a feature, that the effect which makes it may leave
 constexpr double worse = 1.5;             // error after over before, of a channel that is put off
 constexpr double misleading = 0.1;        // squared floors that runs held out may be further off
 constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
 constexpr double certain = 0.01;          // probability of that by chance
-constexpr double worth_a_word = 0.5;      // of the noise floor, that it must have
+constexpr double worth_a_word = 0.5;      // of the noise of a bin, that it must have
+constexpr double not_all = 0.2;  // that what explains most and is plainly wrong still explains nothing
 
 /// Whether an effect acts through the contact: it changes how a wheel on soil answers, its lag as well.
 bool acts_through_contact(const std::string& effect) {
@@ -54,18 +55,35 @@ bool stands(const Finding& f) {
 
 }  // namespace
 
-const Finding* plain_feature(const Omnibus& after, const Omnibus& before,
-                             const std::vector<std::string>& named) {
-  const bool other_contact = std::any_of(named.begin(), named.end(), acts_through_contact);
+std::vector<Finding> plain_features(const Omnibus& after, const Omnibus& before, const TwinConfig& model) {
+  const bool rubs = sticks(model);
+  const bool other_contact =
+      std::any_of(model.effects.begin(), model.effects.end(),
+                  [](const EffectSetting& setting) { return acts_through_contact(setting.name); });
+  const auto is_rough = [&](const Finding& f) {
+    if (f.feature == "fluctuation") return rubs || (other_contact && f.channel != Channel::normal_load);
+    return f.feature == "lag" && other_contact;
+  };
   const auto is_leaving = [&](const Finding& f) {
     return std::any_of(before.findings.begin(), before.findings.end(), [&](const Finding& b) {
       return same_place(b, f) && std::abs(f.z) < leavings * std::abs(b.z);
     });
   };
+  std::vector<Finding> plain;
   for (const Finding& f : after.findings)
-    if (f.feature != "level" && !(f.feature == "lag" && other_contact) && stands(f) && !is_leaving(f))
-      return &f;
-  return nullptr;
+    if (f.feature != "level" && !is_rough(f) && stands(f) && !is_leaving(f)) plain.push_back(f);
+  return plain;
+}
+
+std::optional<Finding> systematic(const std::vector<Finding>& features) {
+  for (const Finding& f : features) {
+    const bool of_many = f.tone || f.feature == "lag" || f.feature == "zero";
+    const bool again = std::any_of(features.begin(), features.end(), [&](const Finding& g) {
+      return g.run != f.run && g.channel == f.channel && g.feature == f.feature;
+    });
+    if (of_many || again) return f;
+  }
+  return std::nullopt;
 }
 
 bool still_there(const Finding& feature, const Omnibus& after) {
@@ -105,7 +123,7 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
   e.of_soil = !runs_.calibrated() &&
               std::any_of(candidate.effects.begin(), candidate.effects.end(), changes_soil) &&
-              plain_feature(omnibus_, {}, {}) == nullptr;
+              plain_features(omnibus_, {}, nothing_.model).empty();
   const Errors left = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
   const Errors errors = with_floors_of(noise_, runs_.measured, left);
   e.ratio = worst_ratio(errors);
@@ -119,21 +137,22 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
   if (sticks(candidate.model)) e.tone = common_tone(judged, remainder);
   e.common = common_course(judged, remainder);
   if (e.common) {
-    const auto error = left.find(e.common->channel);
-    const double least = error == left.end() ? 0.0 : worth_a_word * error->second.noise_floor;
+    const double least = worth_a_word * noise_.front()[index_of(e.common->channel)].deviation;
     if (e.common->p > certain || e.common->share < plainly_common || e.common->deviation < least)
       e.common.reset();
   }
   e.stands = !omnibus_.findings.empty() && still_there(omnibus_.findings.front(), e.left);
+  e.remains = plain_features(e.left, omnibus_, candidate.model);
   const bool puts_off = std::any_of(errors.begin(), errors.end(), [](const auto& entry) {
     const ChannelError& error = entry.second;
     return error.after > plainly_wrong * error.noise_floor && error.after > worse * error.before;
   });
   const double explained = 1.0 - (candidate.chi_square - count_) / excess_;
-  if (e.tone || e.common || e.stands || puts_off || std::max(e.ratio, e.ratio_held_out) > never_explained)
+  if (e.tone || e.common || e.stands || systematic(e.remains) || puts_off ||
+      std::max(e.ratio, e.ratio_held_out) > never_explained)
     e.unexplained = 1.0;
   else if (explained > mostly_explained || least_gone(errors) > nearly_gone)
-    e.unexplained = 0.0;
+    e.unexplained = std::max(e.ratio, e.ratio_held_out) > plainly_wrong ? not_all : 0.0;
   else
     e.unexplained = 1.0 / (1.0 + std::exp(-(e.ratio - 0.5 * (good_enough + plainly_wrong)) / 0.1));
   return e;

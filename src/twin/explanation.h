@@ -21,6 +21,7 @@ struct Explanation {
   std::optional<double> tone;          ///< Hz, where a machine hums
   std::optional<CommonCourse> common;  ///< what follows the clock in all runs
   bool stands = false;                 ///< what stood out most does so still
+  std::vector<Finding> remains;        ///< what stands out of what is left (plain_features)
   double unexplained = 1.0;            ///< probability that it is no explanation
 
   bool refuted() const { return misleads || of_soil; }
@@ -48,11 +49,14 @@ class Weighing {
   std::vector<NoiseModel> held_out_noise_;
 };
 
-/// The strongest feature that stands out of `after`, but for those that soils of another form than the twin's
-/// make (levels), that the effects already `named` may make (lags), and small leavings of what stood out
-/// `before` (an effect's own form, not another effect); null where none stands out.
-const Finding* plain_feature(const Omnibus& after, const Omnibus& before,
-                             const std::vector<std::string>& named);
+/// The features that stand out of `after`, the strongest first, but for those that soils of another form than
+/// the twin's make (levels), that the effects of `model`, whose residual it is, may make (lags, and how much
+/// channels fluctuate, which is foretold roughly; only friction shakes the load), and small leavings of what
+/// stood out `before` (an effect's own form, not another effect).
+std::vector<Finding> plain_features(const Omnibus& after, const Omnibus& before, const TwinConfig& model);
+
+/// The strongest of `features` that stands in two runs alike, or is of all runs.
+std::optional<Finding> systematic(const std::vector<Finding>& features);
 
 /// Whether a feature stands out of `after` still, by more than half of what it did.
 bool still_there(const Finding& feature, const Omnibus& after);

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "twin/clock_lag.h"
+#include "twin/open_soils.h"
 #include "twin/steady_runs.h"
 
 namespace wheel_twin::twin {
@@ -128,11 +129,15 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
     for (const RunGrid* run : of) result.residuals.push_back(residual_of(*run, simulate(baseline, *run)));
     return result;
   };
-  measured_ = left(runs.measured);
+  measured_ = {left(runs.measured)};
   evidence_.runs = runs.measured;
   evidence_.baseline = baseline;
   if (runs.calibrated()) {
     references_ = left(runs.references);
+    const std::vector<const RunGrid*> judged = runs.judged();
+    soils_ = open_soils(declared, calibration_, runs.references);
+    const auto open = left_open(soils_, runs.references, judged);
+    for (std::size_t r = 0; r < judged.size(); ++r) left_open_[judged[r]] = open[r];
     evidence_.fluctuation = fit_fluctuation(baseline, runs.references, references_.residuals);
     evidence_.beyond = fluctuation_beyond(evidence_.fluctuation, baseline, runs.references,
                                           references_.residuals, runs.measured);
@@ -149,9 +154,10 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
       std::max(3.0, static_cast<double>(runs.references.size() + runs.measured.size()) - 2.0);
   set_lags();
   set_zeros();
+  set_tones();
   for (std::size_t r = 0; r < runs.measured.size(); ++r) {
     const RunGrid& run = *runs.measured[r];
-    evidence_.log_deviation.push_back(log_deviation_by_stretch(run, measured_.residuals[r].bins));
+    evidence_.log_deviation.push_back(log_deviation_by_stretch(run, measured_.front().residuals[r].bins));
     evidence_.calm.push_back(
         evidence_.fluctuation.known
             ? predicted_log_deviation(evidence_.baseline, run, evidence_.fluctuation_of(r))
@@ -201,24 +207,66 @@ void Gathering::set_zeros() {
   evidence_.zero_error = std::max(least_error, std::sqrt(square / (n - 1.0))) * std::sqrt(1.0 + known / n);
 }
 
-void Gathering::take_noise_from(const TwinConfig& explanation) {
-  measured_.residuals.clear();
-  for (const RunGrid* run : runs_.measured)
-    measured_.residuals.push_back(residual_of(*run, slow_course(explanation, *run)));
+/// What hums in the measured runs and not in the reference runs; without any, what does not follow the
+/// grousers either.
+void Gathering::set_tones() {
+  constexpr double worth_a_word = 0.3;      // of a channel's deviation
+  constexpr double of_the_grousers = 0.05;  // relative
+  const auto tones = [](const std::vector<const RunGrid*>& runs) {
+    std::vector<RunTones> result;
+    for (const RunGrid* run : runs)
+      result.push_back({&run->tones, typical_carriage_speed(*run), largest_wheel_rate(*run)});
+    return result;
+  };
+  evidence_.tones = shared_tones(tones(runs_.measured), tones(runs_.references), worth_a_word);
+  if (!runs_.references.empty()) return;
+  const auto of_grousers = [&](const SharedTone& shared) {
+    return std::any_of(runs_.measured.begin(), runs_.measured.end(), [&](const RunGrid* run) {
+      const double passing = evidence_.baseline.wheel.grousers * largest_wheel_rate(*run) / (2.0 * M_PI);
+      const double harmonic = std::round(shared.tone.frequency / passing);
+      return harmonic >= 1.0 &&
+             std::abs(shared.tone.frequency / (harmonic * passing) - 1.0) < of_the_grousers;
+    });
+  };
+  evidence_.tones.erase(std::remove_if(evidence_.tones.begin(), evidence_.tones.end(), of_grousers),
+                        evidence_.tones.end());
+}
+
+void Gathering::take_noise_from(const std::vector<Candidate>& explanations) {
+  measured_.clear();
+  for (const Candidate& explanation : explanations) {
+    Left left{runs_.measured, {}};
+    for (const RunGrid* run : runs_.measured)
+      left.residuals.push_back(residual_of(*run, slow_course(explanation.model, *run)));
+    measured_.push_back(std::move(left));
+  }
   evidence_.noise = noise_of(runs_.measured);
 }
 
 std::vector<NoiseModel> Gathering::noise_of(const std::vector<const RunGrid*>& runs) const {
-  const NoiseModel measured_noise = estimate_noise(measured_.runs, measured_.residuals, floor_);
-  const auto at_rest = scatter_at_rest(measured_.runs, measured_.residuals);
-  const Left& calm = references_.runs.empty() ? measured_ : references_;
-  const auto a = noise_by_run(calibration_.noise, calm.runs, calm.residuals, floor_, runs);
-  const auto b = noise_by_run(measured_noise, measured_.runs, measured_.residuals, floor_, runs);
+  const Left& calm = references_.runs.empty() ? measured_.front() : references_;
+  const auto least = noise_by_run(calibration_.noise, calm.runs, calm.residuals, floor_, runs);
   std::vector<NoiseModel> noise;
+  for (const Left& left : measured_) {
+    const NoiseModel pooled = estimate_noise(left.runs, left.residuals, floor_);
+    const auto by_run = noise_by_run(pooled, left.runs, left.residuals, floor_, runs);
+    const auto at_rest = scatter_at_rest(left.runs, left.residuals);
+    const bool first = noise.empty();
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+      NoiseModel of_run = common_noise(least[r], by_run[r]);
+      for (std::size_t c = 0; c < channel_count; ++c)
+        of_run[c].rest_offset = std::max(of_run[c].rest_offset, at_rest[c]);
+      if (first)
+        noise.push_back(of_run);
+      else
+        for (std::size_t c = 0; c < channel_count; ++c)
+          if (of_run[c].deviation < noise[r][c].deviation) noise[r][c] = of_run[c];
+    }
+  }
   for (std::size_t r = 0; r < runs.size(); ++r) {
-    noise.push_back(common_noise(a[r], b[r]));
-    for (std::size_t c = 0; c < channel_count; ++c)
-      noise[r][c].rest_offset = std::max(noise[r][c].rest_offset, at_rest[c]);
+    const auto open = left_open_.find(runs[r]);
+    for (std::size_t c = 0; open != left_open_.end() && c < channel_count; ++c)
+      noise[r][c].run_offset = std::hypot(noise[r][c].run_offset, open->second[c]);
   }
   return noise;
 }

@@ -2,6 +2,8 @@
 // the noise that a perfect twin would still leave.
 #pragma once
 
+#include <array>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -39,11 +41,13 @@ class Gathering {
   Gathering(const TwinConfig& declared, const RunsByRole& runs, const NoiseFloor& floor);
 
   const Calibration& calibration() const { return calibration_; }
+  /// As of open_soils; empty without reference runs.
+  const std::vector<TwinConfig>& soils() const { return soils_; }
   const Evidence& evidence() const { return evidence_; }
   Evidence& evidence() { return evidence_; }
 
-  /// Estimates the noise anew: what a good explanation leaves tells it better than what the baseline leaves.
-  void take_noise_from(const TwinConfig& explanation);
+  /// Estimates the noise anew: each channel of a run has no more than what any of the explanations leaves.
+  void take_noise_from(const std::vector<Candidate>& explanations);
 
   /// Noise of each of `runs`.
   std::vector<NoiseModel> noise_of(const std::vector<const RunGrid*>& runs) const;
@@ -57,11 +61,15 @@ class Gathering {
 
   void set_lags();
   void set_zeros();
+  void set_tones();
 
   const RunsByRole& runs_;
   NoiseFloor floor_;
   Calibration calibration_;
-  Left references_, measured_;
+  std::vector<TwinConfig> soils_;
+  std::map<const RunGrid*, std::array<double, channel_count>> left_open_;  ///< of levels, by the references
+  Left references_;
+  std::vector<Left> measured_;  ///< by each of the explanations that tell the noise
   Evidence evidence_;
 };
 

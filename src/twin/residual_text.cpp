@@ -10,6 +10,9 @@ namespace wheel_twin::twin {
 namespace {
 
 std::string describe(const Finding& f) {
+  if (f.tone)
+    return fmt::format("a tone of {} in {} of {}, {:.3g} {} in amplitude", frequency_of(*f.tone),
+                       name_of(f.channel), f.run, f.size, unit_of(f.channel));
   return fmt::format("{} of {} in {}: {:.3g} {} ({:+.1f} standard errors)", f.feature, name_of(f.channel),
                      f.run, f.size,
                      f.feature == "lag"           ? "s"
@@ -19,6 +22,18 @@ std::string describe(const Finding& f) {
 }
 
 }  // namespace
+
+std::string frequency_of(const SharedTone& tone) {
+  switch (tone.follows) {
+    case Follows::travel:
+      return fmt::format("{:.3g} mm of travel", 1000.0 / tone.frequency);
+    case Follows::wheel:
+      return fmt::format("{:.3g} cycles a turn of the wheel", tone.frequency);
+    case Follows::time:
+      break;
+  }
+  return fmt::format("{:.3g} Hz", tone.frequency);
+}
 
 std::string describe(const Omnibus& omnibus) {
   if (omnibus.findings.empty()) return "nothing stands out";

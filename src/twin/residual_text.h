@@ -16,6 +16,9 @@ std::string effect_list(const std::vector<std::string>& names);
 /// The strongest findings.
 std::string describe(const Omnibus& omnibus);
 
+/// "5.3 Hz", or what else the tone follows.
+std::string frequency_of(const SharedTone& tone);
+
 /// Channels whose level follows slip over the runs, each after "; ".
 std::string correlations(const Evidence& evidence, const TwinConfig& model);
 

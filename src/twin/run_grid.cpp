@@ -109,6 +109,22 @@ void mask_settling(RunGrid& grid) {
   mask(last + 1, n, 1);
 }
 
+/// Of the moving part, and faster than what a wheel does once a turn and by an uneven rim.
+void set_tones(RunGrid& grid, const run_log::RunLog& log) {
+  constexpr double fewest_cycles = 8.0;  // in the run
+  constexpr double orders = 8.5;         // of the wheel's turn
+  int first = -1, last = -1;
+  for (int i = 0; i < grid.bins(); ++i) {
+    if (!grid.moving[static_cast<std::size_t>(i)]) continue;
+    if (first < 0) first = i;
+    last = i;
+  }
+  if (last <= first) return;
+  const double start = first_stamp(log), span = (last - first) * grid.bin;
+  grid.tones = tones_of(log, start + grid.time(first), start + grid.time(last),
+                        std::max(fewest_cycles / span, orders * largest_wheel_rate(grid) / (2.0 * M_PI)));
+}
+
 void take_averages(RunGrid& grid) {
   if (!grid.declared.averages) return;
   const logs::Averages& a = *grid.declared.averages;
@@ -161,6 +177,24 @@ double typical_slip(const RunGrid& run) {
       ++count;
     }
   return count > 0 ? sum / count : run.declared.slip;
+}
+
+double typical_carriage_speed(const RunGrid& run) {
+  double sum = 0.0, count = 0.0;
+  for (int i = 0; i < run.bins(); ++i)
+    if (run.moving[static_cast<std::size_t>(i)]) {
+      sum += run.motion[static_cast<std::size_t>(i)].carriage_velocity;
+      count += 1.0;
+    }
+  return count > 0.0 ? sum / count : 0.0;
+}
+
+double largest_wheel_rate(const RunGrid& run) {
+  double rate = 0.0;
+  for (int i = 0; i < run.bins(); ++i)
+    if (run.moving[static_cast<std::size_t>(i)])
+      rate = std::max(rate, std::abs(run.motion[static_cast<std::size_t>(i)].wheel_rate));
+  return rate;
 }
 
 bool RunGrid::has(Channel channel) const {
@@ -240,6 +274,7 @@ RunGrid grid_of(const logs::Run& declared, const std::string& name, const run_lo
   grid.touch = first_touch(log);
   grid.lag = draw_wire_lag(log);
   grid.lag_curves = lag_curves(log);
+  set_tones(grid, log);
   return grid;
 }
 

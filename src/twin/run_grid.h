@@ -15,6 +15,7 @@
 #include "twin/channel.h"
 #include "twin/first_touch.h"
 #include "twin/lag.h"
+#include "twin/tones.h"
 
 namespace wheel_twin::twin {
 
@@ -44,6 +45,7 @@ struct RunGrid {
   std::optional<FirstTouch> touch;
   std::optional<Lag> lag;               ///< of the draw wire behind the wrench
   std::optional<LagCurves> lag_curves;  ///< of the same
+  Tones tones;                          ///< while it moves
 
   int bins() const { return static_cast<int>(motion.size()); }
   double time(int i) const { return motion[static_cast<std::size_t>(i)].time; }
@@ -52,6 +54,12 @@ struct RunGrid {
 
 /// Mean slip while it moves, of the measured speeds; the declared one when it does not.
 double typical_slip(const RunGrid& run);
+
+/// Mean speed of the carriage while the run moves, m/s.
+double typical_carriage_speed(const RunGrid& run);
+
+/// Largest magnitude of the wheel's rate while it moves, rad/s.
+double largest_wheel_rate(const RunGrid& run);
 
 /// The first stamp of a log, which is the start of its run, s.
 double first_stamp(const run_log::RunLog& log);

@@ -1,20 +1,19 @@
 // What the reference runs leave open of soil, hub and mount, in the judgement of effects. The twin is held
 // fixed while effects compete; where the soil is off, an effect acts on another soil and shows differently.
-// To first order in the directions in which the calibrated unknowns are least certain (residual r, its change
-// D by one standard deviation of each), what a candidate leaves has the covariance 1 + D D^T.
+// To first order in the directions of open_soils (residual r, its change D by one standard deviation of
+// each), what a candidate leaves has the covariance 1 + D D^T.
 #pragma once
 
 #include <vector>
 
-#include "twin/baseline.h"
 #include "twin/candidates.h"
 
 namespace wheel_twin::twin {
 
 class SoilDoubt {
  public:
-  /// `calibration` on reference runs of `declared`; `evidence` must outlive this.
-  SoilDoubt(const TwinConfig& declared, const Calibration& calibration, const Evidence& evidence);
+  /// `soils` as of open_soils; `evidence` must outlive this.
+  SoilDoubt(std::vector<TwinConfig> soils, const Evidence& evidence);
 
   /// Sets Candidate::doubt and widens the standard errors of its parameters by it.
   void add_to(Candidate& candidate) const;

@@ -75,15 +75,16 @@ void Tracing::judge_again(Candidate& candidate) const {
 }
 
 Candidate Tracing::scored(Candidate candidate) const {
-  candidate.score = -0.5 * candidate.chi_square / temperature_ - price_ * candidate.told;
+  double chi_square = candidate.chi_square, volume = 0.0;
   const Doubt& doubt = candidate.doubt;
-  if (doubt.slope.size() == 0) return candidate;
-  // Over soils: r^T (T + D D^T)^-1 r + ln det (1 + D^T D / T) with the temperature T instead of r^T r / T.
-  const Eigen::MatrixXd inner =
-      Eigen::MatrixXd::Identity(doubt.slope.size(), doubt.slope.size()) + doubt.information / temperature_;
-  const Eigen::LDLT<Eigen::MatrixXd> solver(inner);
-  candidate.score += 0.5 * doubt.slope.dot(solver.solve(doubt.slope)) / (temperature_ * temperature_) -
-                     0.5 * solver.vectorD().array().log().sum();
+  if (doubt.slope.size() > 0) {
+    // Over soils: r^T (1 + D D^T)^-1 r + ln det (1 + D^T D) instead of r^T r, and cooled as that is.
+    const Eigen::LDLT<Eigen::MatrixXd> solver(
+        Eigen::MatrixXd::Identity(doubt.slope.size(), doubt.slope.size()) + doubt.information);
+    chi_square -= doubt.slope.dot(solver.solve(doubt.slope));
+    volume = solver.vectorD().array().log().sum();
+  }
+  candidate.score = -0.5 * chi_square / temperature_ - 0.5 * volume - price_ * candidate.told;
   return candidate;
 }
 

@@ -65,6 +65,16 @@ std::string no_explanation(const Diagnosis& d, const Grounds& g) {
         "most: the {} of {} in {}.",
         best, g.p_best, strongest.feature, name_of(strongest.channel), strongest.run);
   }
+  if (const auto remains = systematic(g.explanation.remains); remains && remains->tone)
+    return fmt::format(
+        "{} foretells runs that it was not fitted to (corrected p = {:.2g}) but no effect hums: a machine "
+        "does, at {}.",
+        best, g.p_best, frequency_of(*remains->tone));
+  else if (remains)
+    return fmt::format(
+        "{} foretells runs that it was not fitted to (corrected p = {:.2g}) but leaves too much of the {} of "
+        "{} in {} ({:+.1f} standard errors).",
+        best, g.p_best, remains->feature, name_of(remains->channel), remains->run, remains->z);
   return fmt::format(
       "No effect of the catalogue brings it to the noise level: the best, {}, leaves {:.1f} times the noise "
       "floor (corrected p = {:.2g}).",

@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "base/random.h"
 #include "steady_run.h"
+#include "twin/open_soils.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -52,7 +54,7 @@ TEST(SoilDoubt, WidensWhatDependsOnTheSoilAndLeavesTheSensorsAlone) {
     evidence.calm.emplace_back();
     evidence.lag.emplace_back();
   }
-  const SoilDoubt doubt(declared_rig(), calibration, evidence);
+  const SoilDoubt doubt(open_soils(declared_rig(), calibration, evidence.runs), evidence);
   Candidate cohesion = fit_candidate(evidence, {"soil_cohesion"}, {0, 1, 2});
   Candidate bias = fit_candidate(evidence, {"ft_bias"}, {0, 1, 2});
   ASSERT_TRUE(cohesion.usable && bias.usable);
@@ -63,6 +65,37 @@ TEST(SoilDoubt, WidensWhatDependsOnTheSoilAndLeavesTheSensorsAlone) {
   EXPECT_LT(cohesion.errors[0][0], 400.0);
   EXPECT_NEAR(bias.errors[0][0], bias_error, 0.02 * bias_error);
   EXPECT_GT(cohesion.doubt.information.trace(), 100.0 * bias.doubt.information.trace());
+}
+
+// Four reference runs at slips up to 0.6 tell a run between them, and little of one far beyond.
+TEST(OpenSoils, LeaveLittleOpenBetweenReferenceRunsAndMuchBeyondThem) {
+  const std::vector<RunGrid> references = runs_of(declared_rig(), {0.2, 0.3, 0.4, 0.5}, 3);
+  const Calibration calibration =
+      calibrate(declared_rig(), pointers(references), NoiseFloor{0.02, 0.02, 0.02, 2e-5, 4e-4, 2e-3});
+  const std::vector<RunGrid> others = runs_of(declared_rig(), {0.3, 0.35, 0.0, 0.8}, 4);
+  const std::vector<TwinConfig> soils = open_soils(declared_rig(), calibration, pointers(references));
+  ASSERT_GT(soils.size(), 8u);
+  const auto open = left_open(soils, pointers(references), pointers(others));
+  const std::size_t pull = index_of(Channel::drawbar_pull);
+  EXPECT_LT(open[0][pull], 0.02);
+  EXPECT_LT(open[1][pull], 0.03);
+  EXPECT_GT(open[2][pull], 5.0 * open[1][pull]);
+  EXPECT_GT(open[3][pull], 2.0 * open[1][pull]);
+}
+
+TEST(OpenSoils, StepAwayFromBounds) {
+  TwinConfig declared = declared_rig();
+  declared.soil.gamma = 0.0;  // its lower bound, and runs that say so
+  const std::vector<RunGrid> references = runs_of(declared, {0.0, 0.2, 0.4, 0.6}, 3);
+  const Calibration calibration =
+      calibrate(declared, pointers(references), NoiseFloor{0.02, 0.02, 0.02, 2e-5, 4e-4, 2e-3});
+  const std::vector<TwinConfig> soils = open_soils(declared, calibration, pointers(references));
+  double furthest = 0.0;
+  for (const TwinConfig& soil : soils)
+    furthest = std::max(furthest, soil.soil.gamma - soils.front().soil.gamma);
+  const double error = std::sqrt(calibration.fit.covariance(7, 7));
+  ASSERT_EQ(calibration.unknowns[7].name, "gamma");
+  EXPECT_GT(furthest, 0.5 * error);
 }
 
 }  // namespace

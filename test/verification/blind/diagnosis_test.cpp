@@ -93,6 +93,36 @@ TEST_F(Loop, ASmallEffectBesideALargeOneIsNamedWhereOneAloneExplainsNothing) {
   EXPECT_LE(found.candidates.front().probability, 1.0 / (1.0 - std::exp(1.0) * p * std::log(p)));
 }
 
+// A second effect shakes a channel that the first leaves alone: it is no noise of that channel.
+TEST_F(Loop, AnEccentricWheelIsNamedBesideASensorThatReadsTooMuch) {
+  const twin::Diagnosis found =
+      diagnosis_of({{"ft_gain", {0.0, 0.0, -0.08}}, {"wheel_eccentricity", {0.0012, 0.8}}});
+  EXPECT_EQ(named(found).back(), "wheel_eccentricity") << found.evidence;
+  EXPECT_EQ(named(found).size(), 2u) << found.evidence;
+}
+
+// A creeping wire follows the clock, a tilted bed the distance.
+TEST_F(Loop, ACreepingWireIsToldFromATiltedBed) {
+  EXPECT_EQ(named(diagnosis_of({{"draw_wire_drift", {6e-5}}})), std::vector<std::string>{"draw_wire_drift"});
+  EXPECT_EQ(named(diagnosis_of({{"bed_tilt", {0.003}}})), std::vector<std::string>{"bed_tilt"});
+}
+
+// The travel of the belt tells it, not the clock: runs of different slip hum at different frequencies.
+TEST_F(Loop, ABeltIsToldByItsPeriod) {
+  const twin::Diagnosis found = diagnosis_of({}, "belt_period", 2.0);
+  EXPECT_EQ(found.verdict, "unexplained");
+  EXPECT_NE(found.evidence.find("mm of travel"), std::string::npos) << found.evidence;
+}
+
+TEST_F(Loop, AHumIsToldWithItsFrequency) {
+  const twin::Diagnosis found = diagnosis_of({}, "hum", 0.6);
+  EXPECT_EQ(found.verdict, "unexplained");
+  ASSERT_FALSE(found.omnibus.findings.empty());
+  ASSERT_TRUE(found.omnibus.findings.front().tone);
+  EXPECT_NEAR(found.omnibus.findings.front().tone->frequency, 5.3, 0.05);
+  EXPECT_NE(found.evidence.find("tone of 5.3"), std::string::npos) << found.evidence;
+}
+
 // Without reference runs the baseline bends after what is hidden: here to a soil that carries the bins it was
 // fitted to and lets the wheel sink to its axle between them.
 TEST_F(Loop, TheFittedSoilCarriesTheWheelInEveryBin) {

@@ -81,6 +81,7 @@ class Outside final : public rig::SensorPort {
   void change_wrench(const rig::RigState& state, rig::WrenchReading& reading) const override {
     if (name_ == "belt_period") reading.force.x() += size_ * std::sin(2.0 * M_PI * state.x / 0.037);
     if (name_ == "slow_beat") reading.force.z() += size_ * std::sin(2.0 * M_PI * state.time / 7.3);
+    if (name_ == "hum") reading.force.y() += size_ * std::sin(2.0 * M_PI * 5.3 * state.time);
     if (name_ == "dropout" && state.time > 20.0 && state.time < 26.0) reading.force *= 1.0 - size_;
     if (name_ == "saturation") reading.force.x() = std::clamp(reading.force.x(), -size_, size_);
   }
@@ -96,8 +97,14 @@ class Outside final : public rig::SensorPort {
 twin::EffectSetting draw_effect(Random& random, const Drawn& drawn) {
   std::vector<const effects::EffectType*> types;
   for (const effects::EffectType& type : effects::catalogue())
-    if (type.name != "bulldozing") types.push_back(&type);  // acts on braked wheels, which are not drawn
-  const effects::EffectType& type = *types[pick(random, types.size())];
+    if (type.name != "bulldozing" && type.name != "draw_wire_drift") types.push_back(&type);
+  // Bulldozing acts on braked wheels, which are not drawn; a drift takes turns with a jump, so that the
+  // experiments drawn before the catalogue had it are drawn as they were.
+  const effects::EffectType* drawn_type = types[pick(random, types.size())];
+  if (drawn_type->name == "draw_wire_jump" &&
+      Random(static_cast<std::uint64_t>(1e6 * drawn.soil.phi), 9).uniform() < 0.5)
+    drawn_type = &effects::find_effect("draw_wire_drift");
+  const effects::EffectType& type = *drawn_type;
   twin::EffectSetting setting{type.name, {}};
   for (const effects::Parameter& p : type.parameters) {
     double value;
