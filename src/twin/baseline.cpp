@@ -8,6 +8,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "rig/mount_fit.h"
 #include "twin/fluctuation.h"
 
 namespace wheel_twin::twin {
@@ -254,10 +255,59 @@ NoiseFloor missed_by_contact_law(const std::vector<const RunGrid*>& runs) {
   return {0.01 * load, 0.002 * load, 0.0, 2e-4, 0.001 * load, 0.0006 * load};
 }
 
+namespace {
+
+/// Wrench and motor effort of a run as the log of a sensor that reads once a bin.
+run_log::RunLog log_of(const RunGrid& run) {
+  const auto row = [&](Channel channel, int i) {
+    return run.measured(static_cast<Eigen::Index>(index_of(channel)), i);
+  };
+  run_log::RunLog log;
+  for (int i = 0; i < run.bins(); ++i) {
+    const Eigen::Vector3d force(row(Channel::drawbar_pull, i), row(Channel::side_force, i),
+                                row(Channel::normal_load, i));
+    const double torque = row(Channel::pitch_torque, i), effort = row(Channel::motor_effort, i);
+    if (!force.allFinite() || !std::isfinite(torque) || !std::isfinite(effort)) continue;
+    log.ft.time.push_back(run.time(i));
+    log.ft.force.push_back(force);
+    log.ft.torque.emplace_back(0.0, torque, 0.0);
+    log.joints.time.push_back(run.time(i));
+    log.joints.wheel_effort.push_back(effort);
+  }
+  return log;
+}
+
+/// Where the sensor sits and what it counts of the motor's torque the wrench tells without any soil; a soil
+/// of another form than the law's would bend them after its own torque.
+void know_mount(const std::vector<const RunGrid*>& runs, const rig::MountSettings& declared,
+                std::vector<Unknown>& unknowns) {
+  constexpr double least_arm_error = 1e-3, least_share_error = 5e-3;  // m, 1
+  std::vector<run_log::RunLog> logs;
+  for (const RunGrid* run : runs) logs.push_back(log_of(*run));
+  std::vector<const run_log::RunLog*> pointers;
+  for (const run_log::RunLog& log : logs) pointers.push_back(&log);
+  const rig::MountFit fit = rig::fit_mount(pointers, declared);
+  if (fit.averages == 0) return;
+  const auto know = [&](const char* name, double value, double error) {
+    for (Unknown& u : unknowns)
+      if (u.name == name) {
+        u.prior = u.start = std::clamp(value, u.lower, u.upper);
+        u.prior_deviation = std::min(u.prior_deviation, error);
+      }
+  };
+  know("arm_z", fit.mount.arm_z, std::max(least_arm_error, fit.arm_z_error));
+  know("drive_torque_share", fit.mount.drive_torque_share, std::max(least_share_error, fit.share_error));
+}
+
+}  // namespace
+
 Calibration calibrate(const TwinConfig& declared, const std::vector<const RunGrid*>& runs,
                       const NoiseFloor& floor) {
   Calibration calibration;
   calibration.unknowns = baseline_unknowns(declared);
+  // Without reference runs an effect of the sensor would be taken for its place.
+  if (!runs.empty() && runs.front()->declared.role == logs::Role::reference)
+    know_mount(runs, declared.rig.mount, calibration.unknowns);
   const NoiseModel first = tolerance(runs);
   std::vector<RunGrid> steady;
   for (const RunGrid* run : runs) steady.push_back(condensed(*run, steady_bins));

@@ -83,19 +83,21 @@ std::vector<Tone> lines_of(const std::vector<double>& values, double rate, doubl
   return tones;
 }
 
-template <typename Value>
-std::vector<Tone> lines_between(const std::vector<double>& time, const Value& value, double begin, double end,
-                                double lowest) {
-  std::vector<double> values;
+/// `values` hold `of(value)` at each of `times`; nothing where the log lacks them.
+template <typename Value, typename Of>
+std::vector<Tone> lines_between(const std::vector<double>& times, const std::vector<Value>& values,
+                                const Of& of, double begin, double end, double lowest) {
+  if (values.size() != times.size()) return {};
+  std::vector<double> chosen;
   double from = 0.0, to = 0.0;
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    if (time[i] < begin || time[i] > end) continue;
-    if (values.empty()) from = time[i];
-    to = time[i];
-    values.push_back(value(i));
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (times[i] < begin || times[i] > end) continue;
+    if (chosen.empty()) from = times[i];
+    to = times[i];
+    chosen.push_back(of(values[i]));
   }
-  if (values.size() < fewest_samples || !(to > from)) return {};
-  return lines_of(values, static_cast<double>(values.size() - 1) / (to - from), lowest);
+  if (chosen.size() < fewest_samples || !(to > from)) return {};
+  return lines_of(chosen, static_cast<double>(chosen.size() - 1) / (to - from), lowest);
 }
 
 /// Cycles per second, metre or turn of a tone; zero where the run does not move so.
@@ -115,20 +117,20 @@ const Tone* line_at(const RunTones& run, std::size_t channel, Follows follows, d
 }  // namespace
 
 Tones tones_of(const run_log::RunLog& log, double begin, double end, double lowest) {
+  const auto same = [](double value) { return value; };
   Tones tones;
-  const auto of_force = [&](int axis) {
-    return lines_between(
-        log.ft.time, [&](std::size_t i) { return log.ft.force[i][axis]; }, begin, end, lowest);
-  };
-  tones[index_of(Channel::drawbar_pull)] = of_force(0);
-  tones[index_of(Channel::side_force)] = of_force(1);
-  tones[index_of(Channel::normal_load)] = of_force(2);
-  tones[index_of(Channel::hub_displacement)] = lines_between(
-      log.draw_wire.time, [&](std::size_t i) { return log.draw_wire.value[i]; }, begin, end, lowest);
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr std::array<Channel, 3> forces = {Channel::drawbar_pull, Channel::side_force,
+                                               Channel::normal_load};
+    tones[index_of(forces[static_cast<std::size_t>(axis)])] = lines_between(
+        log.ft.time, log.ft.force, [axis](const Eigen::Vector3d& f) { return f[axis]; }, begin, end, lowest);
+  }
   tones[index_of(Channel::pitch_torque)] = lines_between(
-      log.ft.time, [&](std::size_t i) { return log.ft.torque[i].y(); }, begin, end, lowest);
-  tones[index_of(Channel::motor_effort)] = lines_between(
-      log.joints.time, [&](std::size_t i) { return log.joints.wheel_effort[i]; }, begin, end, lowest);
+      log.ft.time, log.ft.torque, [](const Eigen::Vector3d& t) { return t.y(); }, begin, end, lowest);
+  tones[index_of(Channel::hub_displacement)] =
+      lines_between(log.draw_wire.time, log.draw_wire.value, same, begin, end, lowest);
+  tones[index_of(Channel::motor_effort)] =
+      lines_between(log.joints.time, log.joints.wheel_effort, same, begin, end, lowest);
   return tones;
 }
 

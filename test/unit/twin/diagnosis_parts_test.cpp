@@ -317,6 +317,34 @@ TEST(Calibration, BringsAWrongSoilToTheReferenceRuns) {
   EXPECT_NEAR(predicted(3, late), expected(3, late), 1e-4);
 }
 
+// A pull that no soil of the law has, with the torque that it makes about the sensor: the mount stays told.
+TEST(Calibration, TakesTheMountFromTheWrenchWhateverTheSoil) {
+  TwinConfig truth = some_twin();
+  truth.rig.mount.arm_z = 0.14;
+  truth.rig.mount.drive_torque_share = -1.0;
+  std::vector<RunGrid> grids;
+  std::vector<const RunGrid*> runs;
+  Random random(2);
+  for (const double slip : {0.0, 0.2, 0.4, 0.6}) {
+    grids.push_back(steady_run(slip, 42.1));
+    RunGrid& grid = grids.back();
+    grid.declared.role = logs::Role::reference;
+    grid.measured = simulate(truth, grid);
+    const double more = 3.0 * std::sin(8.0 * slip);  // N
+    for (int i = 0; i < grid.bins(); ++i) {
+      if (!grid.moving[static_cast<std::size_t>(i)]) continue;
+      grid.measured(index_of(Channel::drawbar_pull), i) += more;
+      grid.measured(index_of(Channel::pitch_torque), i) -= truth.rig.mount.arm_z * more;
+    }
+    add_noise(grid, rig_noise(), random);
+  }
+  for (const RunGrid& grid : grids) runs.push_back(&grid);
+  const Calibration calibration =
+      calibrate(some_twin(), runs, NoiseFloor{0.02, 0.02, 0.02, 2e-5, 4e-4, 2e-3});
+  EXPECT_NEAR(calibration.model.rig.mount.arm_z, 0.14, 0.004);
+  EXPECT_NEAR(calibration.model.rig.mount.drive_torque_share, -1.0, 0.05);
+}
+
 /// Evidence of five runs in which `truth` acts, and the twin without it.
 struct Trial {
   std::vector<RunGrid> grids;

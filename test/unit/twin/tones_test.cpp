@@ -83,6 +83,16 @@ TEST(Tones, OfABeltFollowTheTravel) {
   EXPECT_NEAR(1.0 / shared[0].frequency, period, 0.02 * period);
 }
 
+TEST(Tones, AChannelThatTheLogLacksHasNone) {
+  run_log::RunLog log = log_of(0.9, 2.0, 3.0, 1);
+  log.ft.torque.clear();
+  log.joints.wheel_effort.clear();
+  const Tones tones = tones_of(log, 0.0, span, 0.2);
+  EXPECT_TRUE(tones[index_of(Channel::pitch_torque)].empty());
+  EXPECT_TRUE(tones[index_of(Channel::motor_effort)].empty());
+  EXPECT_FALSE(tones[index_of(Channel::hub_displacement)].empty());
+}
+
 TEST(Tones, NothingOfAShortLog) {
   for (const auto& of_channel : tones_of(log_of(0.0, 2.0, 5.0, 1), 0.0, 3.0, 0.2))
     EXPECT_TRUE(of_channel.empty());
