@@ -3,8 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "twin/baseline.h"
@@ -34,6 +36,8 @@ struct Evidence {
   std::vector<double> zero;
   double zero_error = 0.0;        ///< of a run, m
   std::vector<SharedTone> tones;  ///< that no reference run has
+  /// Size of a feature of a channel (Finding) that the baseline leaves of the reference runs as well.
+  std::map<std::pair<Channel, std::string>, double> left_of_references;
 
   FluctuationModel fluctuation_of(std::size_t run) const {
     FluctuationModel model = fluctuation;

@@ -119,6 +119,8 @@ Omnibus ask_residual(const Evidence& evidence, const TwinConfig& model, bool flu
   const auto note = [&](const std::string& run, Channel channel, const char* feature, double size,
                         double error, std::optional<double> freedom = std::nullopt) {
     if (!std::isfinite(size) || !(error > 0.0)) return;
+    const auto own = evidence.left_of_references.find({channel, feature});
+    if (own != evidence.left_of_references.end()) error = std::hypot(error, own->second);
     ++asked;
     result.findings.push_back({run, channel, feature, size, size / error, tail(size / error, freedom), {}});
   };

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "twin/certify.h"
 #include "twin/clock_lag.h"
 #include "twin/open_soils.h"
 #include "twin/steady_runs.h"
@@ -155,6 +156,7 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
   set_lags();
   set_zeros();
   set_tones();
+  if (runs.calibrated()) set_left_of_references();
   for (std::size_t r = 0; r < runs.measured.size(); ++r) {
     const RunGrid& run = *runs.measured[r];
     evidence_.log_deviation.push_back(log_deviation_by_stretch(run, measured_.front().residuals[r].bins));
@@ -232,6 +234,25 @@ void Gathering::set_tones() {
                         evidence_.tones.end());
 }
 
+/// What the twin misses of the course of every run, how a wheel leaves its print above all, is no finding.
+void Gathering::set_left_of_references() {
+  Evidence calm;
+  calm.baseline = evidence_.baseline;
+  calm.runs = runs_.references;
+  calm.noise = noise_of(runs_.references);
+  calm.lag.resize(calm.runs.size());
+  calm.log_deviation.resize(calm.runs.size());
+  calm.calm.resize(calm.runs.size());
+  std::map<std::pair<Channel, std::string>, std::pair<double, double>> sums;
+  for (const Finding& finding : ask_residual(calm, calm.baseline, false).findings) {
+    if (finding.feature != "trend" && finding.feature != "turn" && finding.feature != "place") continue;
+    auto& [square, count] = sums[{finding.channel, finding.feature}];
+    square += finding.size * finding.size;
+    count += 1.0;
+  }
+  for (const auto& [what, sum] : sums) evidence_.left_of_references[what] = std::sqrt(sum.first / sum.second);
+}
+
 void Gathering::take_noise_from(const std::vector<Candidate>& explanations) {
   measured_.clear();
   for (const Candidate& explanation : explanations) {
@@ -266,7 +287,7 @@ std::vector<NoiseModel> Gathering::noise_of(const std::vector<const RunGrid*>& r
   for (std::size_t r = 0; r < runs.size(); ++r) {
     const auto open = left_open_.find(runs[r]);
     for (std::size_t c = 0; open != left_open_.end() && c < channel_count; ++c)
-      noise[r][c].run_offset = std::hypot(noise[r][c].run_offset, open->second[c]);
+      noise[r][c].run_offset = std::hypot(noise[r][c].run_offset, other_form * open->second[c]);
   }
   return noise;
 }

@@ -62,6 +62,7 @@ class Gathering {
   void set_lags();
   void set_zeros();
   void set_tones();
+  void set_left_of_references();
 
   const RunsByRole& runs_;
   NoiseFloor floor_;

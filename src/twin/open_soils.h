@@ -9,6 +9,10 @@
 
 namespace wheel_twin::twin {
 
+/// How much further from the calibrated soil than its errors tell one lies that has another form than the
+/// contact law's.
+constexpr double other_form = 2.0;
+
 /// The calibrated twin first. The others step away from the bounds of the unknowns; those that cannot carry
 /// `runs` are left out. All have the calibrated start and corrections, and no table.
 std::vector<TwinConfig> open_soils(const TwinConfig& declared, const Calibration& calibration,

@@ -6,16 +6,9 @@
 
 #include "base/error.h"
 #include "effects/catalogue.h"
+#include "twin/open_soils.h"
 
 namespace wheel_twin::twin {
-namespace {
-
-/// How much further from the calibrated soil than its errors tell one lies that has another form than the
-/// contact law's.
-constexpr double other_form = 2.0;
-
-}  // namespace
-
 SoilDoubt::SoilDoubt(std::vector<TwinConfig> soils, const Evidence& evidence)
     : evidence_(evidence), soils_(std::move(soils)) {
   for (const TwinConfig& soil : soils_) undisturbed_.push_back(residuals(soil));
