@@ -51,17 +51,21 @@ void rank(const Tracing& tracing, std::vector<Candidate>& candidates, const std:
   std::sort(candidates.begin(), candidates.end(), by_score);
 }
 
-/// Whether a strength of the last effect is told from none by twice its standard error.
+/// Whether a strength of the last effect is told from none by twice its standard error, and its place, if it
+/// has one, from the edge of where it may lie: what fits every run's start lies there.
 bool last_is_told(const Candidate& candidate) {
   if (candidate.effects.empty()) return false;
   const effects::EffectType& type = effects::find_effect(candidate.effects.back());
+  bool strong = false;
   for (std::size_t i = 0; i < type.parameters.size(); ++i) {
     const effects::Parameter& p = type.parameters[i];
-    if (!std::isnan(p.neutral) &&
-        std::abs(candidate.values.back()[i] - p.neutral) > 2.0 * candidate.errors.back()[i])
-      return true;
+    const double value = candidate.values.back()[i], error = candidate.errors.back()[i];
+    if (!std::isnan(p.neutral))
+      strong = strong || std::abs(value - p.neutral) > 2.0 * error;
+    else if (p.name == "position" && value - p.lower < error)
+      return false;
   }
-  return false;
+  return strong;
 }
 
 /// A candidate, how sure it is and how well it explains.
