@@ -1,10 +1,13 @@
 #include "twin/tones.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <unsupported/Eigen/FFT>
+
+#include "logs/statistics.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -16,25 +19,19 @@ constexpr double same_frequency = 0.03;   // relative
 constexpr int own_width = 3, reach = 60;  // of a line and of what is about it, in 1/length
 constexpr double highest_of_rate = 0.45;
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// `values` less their straight line.
 Eigen::VectorXd without_trend(const std::vector<double>& values) {
-  const auto n = static_cast<Eigen::Index>(values.size());
-  Eigen::MatrixXd line(n, 2);
-  line.col(0).setOnes();
-  line.col(1) = Eigen::VectorXd::LinSpaced(n, -1.0, 1.0);
-  const Eigen::Map<const Eigen::VectorXd> v(values.data(), n);
-  return v - line * (line.transpose() * line).ldlt().solve(line.transpose() * v);
+  std::vector<double> place(values.size());
+  std::iota(place.begin(), place.end(), 0.0);
+  const logs::Line line = logs::fit_line(place, values);
+  Eigen::VectorXd rest(static_cast<Eigen::Index>(values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i)
+    rest[static_cast<Eigen::Index>(i)] = values[i] - line.offset - line.slope * place[i];
+  return rest;
 }
 
 std::vector<Tone> lines_of(const std::vector<double>& values, double rate, double lowest) {
   std::vector<Tone> tones;
-  if (values.size() < fewest_samples) return tones;
   const Eigen::VectorXd level_free = without_trend(values);
   const auto n = level_free.size();
   const double deviation = std::sqrt(level_free.squaredNorm() / static_cast<double>(n));
@@ -63,7 +60,8 @@ std::vector<Tone> lines_of(const std::vector<double>& values, double rate, doubl
     for (int i = k - far; i <= std::min(last, k + far); ++i)
       if (std::abs(i - k) > own_width) about.push_back(at(i));
     // Two of its standard errors above the median, so that few values about a line make none.
-    const double background = median(about) * (1.0 + 2.0 / std::sqrt(static_cast<double>(about.size())));
+    const double background =
+        logs::median(about) * (1.0 + 2.0 / std::sqrt(static_cast<double>(about.size())));
     if (background <= 0.0) continue;
     // 2^-x is the share of an exponential distribution beyond x medians.
     const double p = std::min(1.0, (last - first + 1) * std::exp2(-at(k) / background));
