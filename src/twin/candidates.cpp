@@ -56,6 +56,19 @@ TwinConfig model_of(const Evidence& evidence, const Layout& layout, const std::v
   return model;
 }
 
+using Starts = std::vector<std::vector<double>>;
+
+/// Every start with every choice of the next values behind it.
+Starts followed_by(const Starts& starts, const Starts& choices) {
+  Starts longer;
+  for (const auto& start : starts)
+    for (const auto& choice : choices) {
+      longer.push_back(start);
+      longer.back().insert(longer.back().end(), choice.begin(), choice.end());
+    }
+  return longer;
+}
+
 /// A time or a place: what it does is no smooth function of it, so that it is searched, not derived.
 bool is_searched(const effects::Parameter& p) {
   return std::isnan(p.neutral) &&
@@ -64,8 +77,8 @@ bool is_searched(const effects::Parameter& p) {
 
 /// Where a fit of one effect begins: strengths to either side of neutral, and shape parameters on a grid. The
 /// first is strong enough to show whether the effect changes how much channels fluctuate.
-std::vector<std::vector<double>> starts_of(const effects::EffectType& type, const Evidence& evidence) {
-  std::vector<std::vector<double>> starts = {{}};
+Starts starts_of(const effects::EffectType& type, const Evidence& evidence) {
+  Starts starts = {{}};
   bool first_strength = true;
   for (const effects::Parameter& p : type.parameters) {
     std::vector<double> choices;
@@ -99,13 +112,9 @@ std::vector<std::vector<double>> starts_of(const effects::EffectType& type, cons
     } else {
       choices = {std::clamp(p.scale, p.lower, p.upper)};
     }
-    std::vector<std::vector<double>> longer;
-    for (const auto& start : starts)
-      for (const double choice : choices) {
-        longer.push_back(start);
-        longer.back().push_back(choice);
-      }
-    starts = std::move(longer);
+    Starts next;
+    for (const double choice : choices) next.push_back({choice});
+    starts = followed_by(starts, next);
   }
   return starts;
 }
@@ -211,8 +220,8 @@ struct Problem {
   const std::vector<std::size_t>& runs;
   Layout layout;
   std::vector<Unknown> unknowns;
-  std::vector<std::vector<double>> starts;  // of the effects' parameters
-  std::vector<bool> searched;               // of all unknowns
+  Starts starts;               // of the effects' parameters
+  std::vector<bool> searched;  // of all unknowns
 
   Problem(const Evidence& e, const std::vector<std::string>& names, const std::vector<std::size_t>& chosen,
           const std::vector<std::vector<double>>& known)
@@ -225,15 +234,8 @@ struct Problem {
     std::vector<double> prefix;
     for (const auto& values : known) prefix.insert(prefix.end(), values.begin(), values.end());
     starts = {prefix};
-    for (std::size_t k = known.size(); k < layout.types.size(); ++k) {
-      std::vector<std::vector<double>> longer;
-      for (const auto& start : starts)
-        for (const auto& more : starts_of(*layout.types[k], evidence)) {
-          longer.push_back(start);
-          longer.back().insert(longer.back().end(), more.begin(), more.end());
-        }
-      starts = std::move(longer);
-    }
+    for (std::size_t k = known.size(); k < layout.types.size(); ++k)
+      starts = followed_by(starts, starts_of(*layout.types[k], evidence));
   }
 
   static Unknown unknown_of(const effects::EffectType& type, const effects::Parameter& p) {
@@ -361,6 +363,39 @@ std::vector<double> searched_from(const Problem& problem, std::vector<double> st
   return start;
 }
 
+bool is_friction(const Evidence& evidence, const EffectSetting& effect) {
+  TwinConfig alone = evidence.baseline;
+  alone.effects = {effect};
+  return sticks(alone);
+}
+
+/// Starts of friction of every size with the effects beside it where a fit without it puts them: friction
+/// holds the hub wherever a fit begins, and what it was found to be beside one effect it is not beside
+/// another. Empty where there is no friction, or nothing beside it that is not known.
+Starts starts_beside_friction(const Problem& problem, const std::vector<std::string>& names,
+                              const std::vector<std::vector<double>>& known, int iterations) {
+  const std::vector<std::vector<double>> first =
+      problem.layout.split(values_of(problem.started(problem.starts.front())));
+  std::vector<std::string> beside;
+  std::vector<std::vector<double>> known_beside;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (is_friction(problem.evidence, {names[k], first[k]})) continue;
+    beside.push_back(names[k]);
+    if (k < known.size()) known_beside.push_back(known[k]);
+  }
+  if (beside.empty() || beside.size() == names.size() || known_beside.size() == beside.size()) return {};
+  const Candidate without = fit_candidate(problem.evidence, beside, problem.runs, known_beside, iterations);
+  if (!without.usable) return {};
+  Starts starts = {{}};
+  for (std::size_t k = 0, found = 0; k < names.size(); ++k) {
+    const bool is_beside = found < beside.size() && beside[found] == names[k];
+    const auto choices =
+        is_beside ? Starts{without.values[found++]} : starts_of(*problem.layout.types[k], problem.evidence);
+    starts = followed_by(starts, choices);
+  }
+  return starts;
+}
+
 }  // namespace
 
 double foretold_chi_square(const Evidence& evidence, const std::vector<std::string>& names,
@@ -370,9 +405,7 @@ double foretold_chi_square(const Evidence& evidence, const std::vector<std::stri
   std::vector<std::string> looked_at;
   std::vector<std::vector<double>> values;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    TwinConfig alone = evidence.baseline;
-    if (k < known.size()) alone.effects = {{names[k], known[k]}};
-    if (k < known.size() && sticks(alone)) continue;
+    if (k < known.size() && is_friction(evidence, {names[k], known[k]})) continue;
     looked_at.push_back(names[k]);
     if (k < known.size()) values.push_back(known[k]);
   }
@@ -396,7 +429,7 @@ void begin_nuisance_at(Evidence& evidence, const Candidate& nothing) {
 Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>& names,
                         const std::vector<std::size_t>& runs, const std::vector<std::vector<double>>& known,
                         int iterations) {
-  const Problem problem(evidence, names, runs, known);
+  Problem problem(evidence, names, runs, known);
   const Layout& layout = problem.layout;
   // Only some causes change how much the channels fluctuate; the others are fitted without that question.
   // Those that work through friction are asked at every step, for the others the answer at the start holds.
@@ -406,6 +439,10 @@ Candidate fit_candidate(const Evidence& evidence, const std::vector<std::string>
   const ResidualFunction function = [&](const std::vector<double>& x, std::vector<double>& out) {
     return problem.residuals(x, in_loop, held, out);
   };
+  // Friction holds the hub where a fit puts it: what acts beside it begins where it is without friction, too.
+  if (fluctuates && names.size() > 1)
+    for (const auto& start : starts_beside_friction(problem, names, known, iterations))
+      problem.starts.push_back(start);
   // A step from every start, then on from the two that lead furthest.
   std::vector<std::vector<Unknown>> begins;
   if (problem.starts.size() == 1) {
