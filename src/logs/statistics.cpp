@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace wheel_twin::logs {
@@ -62,6 +63,14 @@ Line fit_line(const std::vector<double>& x, const std::vector<double>& y) {
   }
   const double slope = xx > 0.0 ? xy / xx : 0.0;
   return {slope, mean_y - slope * mean_x};
+}
+
+std::vector<double> without_line(std::vector<double> values) {
+  std::vector<double> place(values.size());
+  std::iota(place.begin(), place.end(), 0.0);
+  const Line line = fit_line(place, values);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= line.offset + line.slope * place[i];
+  return values;
 }
 
 double interpolate(const std::vector<double>& x, const std::vector<double>& y, double at) {

@@ -28,6 +28,9 @@ struct Line {
 Line fit_line(const std::vector<double>& x,
               const std::vector<double>& y);  ///< least squares; at least 2 points
 
+/// Equally spaced values less their straight line; at least 2.
+std::vector<double> without_line(std::vector<double> values);
+
 /// `y` at `at`, linear between the samples of increasing `x`, constant outside. At least one sample.
 double interpolate(const std::vector<double>& x, const std::vector<double>& y, double at);
 

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "base/error.h"
+#include "logs/statistics.h"
 #include "rig/speeds.h"
 #include "twin/simulate.h"
 
@@ -27,12 +28,6 @@ constexpr double much_better = 6.0;     // misfit as logged over misfit put righ
 constexpr double speed_accuracy = 0.2;  // of the declared speeds, in log
 constexpr double largest_slip_error = 0.25;
 constexpr double least_load_share = 0.4, largest_load_share = 2.5;  // of the declared load
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<std::string> names_of(const std::vector<RunGrid*>& runs) {
   std::vector<std::string> names;
@@ -88,7 +83,7 @@ void put_motion_right(const std::vector<RunGrid*>& runs, double radius, std::vec
       if (logged && std::abs(declared) > 1e-4) ratios.push_back(*logged / declared);
     }
     if (ratios.empty()) continue;
-    const double ratio = median(ratios);
+    const double ratio = logs::median(ratios);
     for (const Unit& unit : series.of_wheel ? angular : linear) {
       if (!(ratio / unit.factor > 0.0) || std::abs(std::log(ratio / unit.factor)) > speed_accuracy) continue;
       for (RunGrid* run : runs)
@@ -337,12 +332,14 @@ void leave_out_what_stands_still(const std::vector<RunGrid*>& runs, std::vector<
 }
 
 /// Takes out what a sensor cut off at the end of its range: runs of different slip stand together at the
-/// largest value (with `sign` -1: the smallest) of all, as nothing that fluctuates does.
-void leave_out_what_is_cut_off(const std::vector<RunGrid*>& runs, Channel channel, double sign,
+/// largest value (with `sign` -1: the smallest) of all, as nothing that fluctuates does; or, further apart in
+/// slip than any soil pulls alike, within a sensor's noise of `noise`.
+bool leave_out_what_is_cut_off(const std::vector<RunGrid*>& runs, Channel channel, double sign, double noise,
                                std::vector<RecordingError>& found) {
-  constexpr double band = 0.01;   // of the range of values
-  constexpr double mostly = 0.6;  // of the bins of a run
-  constexpr double other_slip = 0.05;
+  constexpr double share = 0.01;   // of the range of values
+  constexpr double scatter = 5.0;  // from the lowest to the highest of noise, in deviations
+  constexpr double mostly = 0.6;   // of the bins of a run
+  const double other_slip = noise > 0.0 ? 0.35 : 0.05;
   double most = -std::numeric_limits<double>::infinity(), least = -most;
   const auto for_moving = [&](const RunGrid& run, const auto& act) {
     for (int i = 0; i < run.bins(); ++i) {
@@ -353,7 +350,7 @@ void leave_out_what_is_cut_off(const std::vector<RunGrid*>& runs, Channel channe
   for (const RunGrid* run : runs)
     for_moving(*run,
                [&](int, double value) { most = std::max(most, value), least = std::min(least, value); });
-  const double edge = most - band * (most - least);
+  const double edge = most - std::max(share * (most - least), scatter * noise);
   std::vector<RunGrid*> cut;
   double lowest_slip = 1.0, highest_slip = -1.0;
   for (RunGrid* run : runs) {
@@ -364,7 +361,7 @@ void leave_out_what_is_cut_off(const std::vector<RunGrid*>& runs, Channel channe
     lowest_slip = std::min(lowest_slip, typical_slip(*run));
     highest_slip = std::max(highest_slip, typical_slip(*run));
   }
-  if (cut.size() < 2 || highest_slip - lowest_slip < other_slip) return;
+  if (cut.size() < 2 || highest_slip - lowest_slip < other_slip) return false;
   for (RunGrid* run : runs) {
     std::vector<int> bins;
     for_moving(*run, [&](int i, double value) {
@@ -375,6 +372,7 @@ void leave_out_what_is_cut_off(const std::vector<RunGrid*>& runs, Channel channe
   found.push_back({fmt::format("{} is cut off at {:.4g} {}", name_of(channel),
                                shown_factor(channel) * sign * most, shown_unit_of(channel)),
                    names_of(cut)});
+  return true;
 }
 
 }  // namespace
@@ -384,13 +382,21 @@ std::vector<RecordingError> put_right(const std::vector<RunGrid*>& runs, const T
   if (runs.empty()) return found;
   put_motion_right(runs, declared.wheel.radius, found);
   leave_out_what_stands_still(runs, found);
+  bool cut = false;
   for (const Channel channel : all_channels)
-    for (const double sign : {1.0, -1.0}) leave_out_what_is_cut_off(runs, channel, sign, found);
+    for (const double sign : {1.0, -1.0})
+      cut = leave_out_what_is_cut_off(runs, channel, sign, 0.0, found) || cut;
   try {
     put_channels_right(runs, declared, found);
   } catch (const Error&) {
     // A declared soil that cannot carry the load tells nothing about channels.
   }
+  // What is noise of a pull is known once it is one, and in newtons.
+  constexpr double bin_noise = 0.001;  // of the load
+  for (const double sign : {1.0, -1.0})
+    if (!cut)
+      cut = leave_out_what_is_cut_off(runs, Channel::drawbar_pull, sign,
+                                      bin_noise * runs.front()->declared.load, found);
   return found;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numeric>
 #include <unsupported/Eigen/FFT>
 
 #include "logs/statistics.h"
@@ -19,28 +18,18 @@ constexpr double same_frequency = 0.03;   // relative
 constexpr int own_width = 3, reach = 60;  // of a line and of what is about it, in 1/length
 constexpr double highest_of_rate = 0.45;
 
-/// `values` less their straight line.
-Eigen::VectorXd without_trend(const std::vector<double>& values) {
-  std::vector<double> place(values.size());
-  std::iota(place.begin(), place.end(), 0.0);
-  const logs::Line line = logs::fit_line(place, values);
-  Eigen::VectorXd rest(static_cast<Eigen::Index>(values.size()));
-  for (std::size_t i = 0; i < values.size(); ++i)
-    rest[static_cast<Eigen::Index>(i)] = values[i] - line.offset - line.slope * place[i];
-  return rest;
-}
-
 std::vector<Tone> lines_of(const std::vector<double>& values, double rate, double lowest) {
   std::vector<Tone> tones;
-  const Eigen::VectorXd level_free = without_trend(values);
-  const auto n = level_free.size();
-  const double deviation = std::sqrt(level_free.squaredNorm() / static_cast<double>(n));
+  const std::vector<double> trend_free = logs::without_line(values);
+  const auto n = static_cast<Eigen::Index>(trend_free.size());
+  const double deviation = std::sqrt(Eigen::Map<const Eigen::VectorXd>(trend_free.data(), n).squaredNorm() /
+                                     static_cast<double>(n));
   if (deviation == 0.0) return tones;
   // Hann's window, whose mean is one half.
   std::vector<double> windowed(static_cast<std::size_t>(n));
   for (Eigen::Index i = 0; i < n; ++i)
     windowed[static_cast<std::size_t>(i)] =
-        level_free[i] *
+        trend_free[static_cast<std::size_t>(i)] *
         (1.0 - std::cos(2.0 * M_PI * (static_cast<double>(i) + 0.5) / static_cast<double>(n)));
   std::vector<std::complex<double>> transform;
   Eigen::FFT<double> fft;

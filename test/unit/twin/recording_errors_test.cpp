@@ -171,6 +171,18 @@ TEST_F(Recording, WhatASensorCutsOffIsLeftOut) {
   EXPECT_TRUE(grids[0].measured.row(0).tail(40).array().isFinite().all());
 }
 
+TEST_F(Recording, WhatASensorCutsOffIsLeftOutUnderNoiseOfItsOwn) {
+  const double cut =
+      0.5 * grids[0].measured.row(0).tail(60).mean() + 0.5 * grids[1].measured.row(0).tail(60).mean();
+  Random random(3);
+  const Told told = told_after([&](RunGrid& g) {
+    for (int i = 0; i < g.bins(); ++i)
+      g.measured(0, i) = std::min(g.measured(0, i), cut) + 0.02 * random.normal();
+  });
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].find("drawbar_pull is cut off at"), 0U) << told[0];
+}
+
 TEST_F(Recording, ALogWithEveryChannelSaturatedIsRefused) {
   EXPECT_THROW(told_after([](RunGrid& g) {
                  for (int c = 0; c < channel_rows; ++c) g.measured.row(c).setConstant(1.5 + c);
