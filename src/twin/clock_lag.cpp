@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "logs/statistics.h"
 #include "twin/noise.h"
 
 namespace wheel_twin::twin {
@@ -99,14 +100,8 @@ std::vector<double> stretch_lags(const RunGrid& run, const Curves& expected, int
   return lags;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 void add_differences(const std::vector<double>& lags, std::vector<double>& differences) {
-  const double level = median(lags);
+  const double level = logs::median(lags);
   for (const double lag : lags) differences.push_back(lag - level);
 }
 
@@ -123,15 +118,37 @@ Zero zero_of(const std::vector<const RunGrid*>& references) {
     for (const RunGrid* other : references)
       if (other != run) others.push_back(other);
     const std::vector<double> lags = stretch_lags(*run, template_for(*run, others), steps(nearby));
-    off.push_back(std::abs(median(lags)));
+    off.push_back(std::abs(logs::median(lags)));
     add_differences(lags, within);
   }
   // A measured run lies about half as far from the reference runs as they do from one another.
-  return {std::max(least_error, 0.5 * median(off) / std::sqrt(static_cast<double>(off.size()))),
+  return {std::max(least_error, 0.5 * logs::median(off) / std::sqrt(static_cast<double>(off.size()))),
           robust_deviation(within)};
 }
 
 }  // namespace
+
+double ClockLag::mean() const {
+  constexpr double no_chance = 3.0;  // standard errors
+  double sum = 0.0, count = 0.0;
+  for (const std::vector<double>& lags : by_run)
+    for (const double one : lags) sum += one, count += 1.0;
+  return count > 0.0 && std::abs(sum) / std::sqrt(count) > no_chance * error ? sum / count : 0.0;
+}
+
+void mask_about_changes(double seconds, RunGrid& run) {
+  const int bins = run.bins(), reach = static_cast<int>(std::ceil(std::abs(seconds) / run.bin));
+  const auto hub = static_cast<Eigen::Index>(index_of(Channel::hub_displacement));
+  // What lies beside a change of speed is neither at rest nor moving, and no channel has it.
+  std::vector<int> changes;
+  for (int i = 0; i < bins; ++i)
+    if (run.measured.col(i).array().isNaN().all()) changes.push_back(i);
+  for (const int change : changes)
+    for (int k = 1; k <= reach; ++k) {
+      const int beside = seconds > 0.0 ? change + k : change - k;
+      if (beside >= 0 && beside < bins) run.measured(hub, beside) = std::nan("");
+    }
+}
 
 ClockLag clock_lag(const std::vector<const RunGrid*>& measured,
                    const std::vector<const RunGrid*>& references) {

@@ -23,6 +23,7 @@ namespace {
 constexpr double most_bins = 130.0;   // of a run
 constexpr double least_share = 0.05;  // of the excess of chi-square that a second effect must explain
 constexpr double better = 3.0;        // in the score, that a second effect must be
+constexpr double plainly = 2.0;       // in the score, that an effect must be where nothing stands out
 constexpr std::size_t refined = 8;    // candidates that are listed
 constexpr std::size_t listed_pairs = 4;
 constexpr std::size_t other_firsts = 4;  // effects tried beside others where the likest explains nothing
@@ -125,8 +126,12 @@ class Trace {
     if (all.size() > refined) all.resize(refined);
   }
 
-  /// An effect that foretells runs, yet is less likely than none, is none.
-  bool likelier() const { return best.candidate.score > nothing.score; }
+  /// An effect that foretells runs, yet is less likely than none, is none; where nothing stands out it must
+  /// be plainly likelier.
+  bool likelier() const {
+    const double by = omnibus.p < options_.false_alarm_rate ? 0.0 : plainly;
+    return best.candidate.score > nothing.score + by;
+  }
   bool certified() const {
     return likelier() && best.p < options_.false_alarm_rate && !best.explanation.refuted() &&
            last_is_told(best.candidate);
@@ -137,8 +142,8 @@ class Trace {
   void seek_second() {
     const bool above =
         best.explanation.ratio > good_enough && best.explanation.left.p < options_.false_alarm_rate;
-    if (!certified() || (best.explanation.remains.empty() && best.explanation.unexplained <= 0.5 && !above))
-      return;
+    if (!certified()) return seek_pair();
+    if (best.explanation.remains.empty() && best.explanation.unexplained <= 0.5 && !above) return;
     const std::vector<Candidate> singles = all;
     seek_beside(best);
     // Of two effects, a third may look likest to both together, and either alone explains more beside it.
@@ -170,7 +175,9 @@ class Trace {
     other.p = std::max(best.p, corrected(nothing, other.candidate));
     if (other.p >= options_.false_alarm_rate) return;
     other.explanation = (*weighing)(other.candidate);
-    if (other.explanation.refuted() || other.explanation.unexplained > best.explanation.unexplained) return;
+    if (other.explanation.refuted() ||
+        other.explanation.unexplained > std::max(not_all, best.explanation.unexplained))
+      return;
     best = std::move(other);
   }
 
@@ -182,6 +189,25 @@ class Trace {
   Choice best;
 
  private:
+  /// Half of the truth can foretell runs worse than none: where an effect takes most of the excess and still
+  /// is not certified, it is tried with another, and the pair must be certified against nothing.
+  void seek_pair() {
+    const double taken = nothing.chi_square - best.candidate.chi_square;
+    if (omnibus.p >= options_.false_alarm_rate || taken < 0.5 * weighing->excess()) return;
+    std::vector<Candidate> pairs = tracing_.every_effect(best.candidate);
+    rank(tracing_, pairs, doubt_, listed_pairs);
+    if (pairs.empty() || !last_is_told(pairs.front())) return;
+    Choice both{pairs.front(), 1.0, {}};
+    const auto firsts = static_cast<double>(effects::catalogue().size() - 1);
+    both.p = std::min(1.0, 0.5 * firsts * corrected(nothing, both.candidate));
+    if (both.p >= options_.false_alarm_rate) return;
+    both.explanation = (*weighing)(both.candidate);
+    if (both.explanation.refuted() || both.explanation.unexplained > not_all) return;
+    best = std::move(both);
+    pairs.resize(std::min(listed_pairs, pairs.size()));
+    all.insert(all.end(), pairs.begin(), pairs.end());
+  }
+
   /// Takes the best pair of `first` and another for the best explanation if it has earned it.
   void seek_beside(const Choice& first) {
     std::vector<Candidate> pairs = tracing_.every_effect(first.candidate);
@@ -268,9 +294,9 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   Gathering gathering(declared, runs, floor);
   const Evidence& evidence = gathering.evidence();
   Trace trace(declared, floor, runs, gathering, options);
-  const bool certified = trace.certified();
   trace.seek_second();
   trace.seek_first_again();
+  const bool certified = trace.certified();
   const Choice& best = trace.best;
   d.warnings = runs.warnings;
   for (const RunGrid* run : runs.held_out) d.held_out.push_back(run->name);

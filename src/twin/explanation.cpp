@@ -23,7 +23,6 @@ constexpr double misleading = 0.1;        // squared floors that runs held out m
 constexpr double plainly_common = 0.7;    // of what runs have in common over what each has of its own
 constexpr double certain = 0.01;          // probability of that by chance
 constexpr double worth_a_word = 0.5;      // of the noise of a bin, that it must have
-constexpr double not_all = 0.2;  // that what explains most and is plainly wrong still explains nothing
 
 /// Whether an effect acts through the contact: it changes how a wheel on soil answers, its lag as well.
 bool acts_through_contact(const std::string& effect) {

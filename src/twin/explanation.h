@@ -12,6 +12,9 @@
 
 namespace wheel_twin::twin {
 
+/// That what explains most and is plainly wrong still explains nothing.
+inline constexpr double not_all = 0.2;
+
 struct Explanation {
   Omnibus left;                        ///< what stands out of the residual still
   double ratio = 0.0;                  ///< worst error over noise floor, runs that were fitted

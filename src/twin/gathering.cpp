@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "twin/certify.h"
-#include "twin/clock_lag.h"
 #include "twin/open_soils.h"
 #include "twin/steady_runs.h"
 
@@ -116,6 +115,9 @@ RunsByRole usable_runs(const std::string& experiment, const TwinConfig& declared
       (i % 4 == 2 ? result.held_out : kept).push_back(result.measured[i]);
     result.measured = kept;
   }
+  result.clock = clock_lag(result.measured, result.references);
+  for (RunGrid& grid : grids)
+    if (grid.declared.role != logs::Role::reference) mask_about_changes(result.clock.mean(), grid);
   return result;
 }
 
@@ -135,6 +137,7 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
   evidence_.baseline = baseline;
   if (runs.calibrated()) {
     references_ = left(runs.references);
+    starts_ = starts_of(calibration_.noise, runs.references, references_.residuals);
     const std::vector<const RunGrid*> judged = runs.judged();
     soils_ = open_soils(declared, calibration_, runs.references);
     const auto open = left_open(soils_, runs.references, judged);
@@ -171,9 +174,8 @@ Gathering::Gathering(const TwinConfig& declared, const RunsByRole& runs, const N
 /// most runs agree on.
 void Gathering::set_lags() {
   if (!runs_.references.empty()) {
-    const ClockLag lag = clock_lag(evidence_.runs, runs_.references);
-    evidence_.lag = lag.by_run;
-    evidence_.lag_error = lag.error;
+    evidence_.lag = runs_.clock.by_run;
+    evidence_.lag_error = runs_.clock.error;
     return;
   }
   const std::optional<double> common = common_lag(evidence_.runs);
@@ -285,6 +287,7 @@ std::vector<NoiseModel> Gathering::noise_of(const std::vector<const RunGrid*>& r
     }
   }
   for (std::size_t r = 0; r < runs.size(); ++r) {
+    for (std::size_t c = 0; c < channel_count; ++c) noise[r][c].start = starts_[c];
     const auto open = left_open_.find(runs[r]);
     for (std::size_t c = 0; open != left_open_.end() && c < channel_count; ++c)
       noise[r][c].run_offset = std::hypot(noise[r][c].run_offset, other_form * open->second[c]);

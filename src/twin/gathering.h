@@ -10,6 +10,7 @@
 #include "logs/experiment.h"
 #include "twin/baseline.h"
 #include "twin/candidates.h"
+#include "twin/clock_lag.h"
 #include "twin/recording_errors.h"
 
 namespace wheel_twin::twin {
@@ -19,6 +20,7 @@ struct RunsByRole {
   std::vector<const RunGrid*> references;
   std::vector<const RunGrid*> measured;
   std::vector<const RunGrid*> held_out;  ///< never fitted, so that what is claimed can be scored on them
+  ClockLag clock;                        ///< of the measured runs, against the reference runs
   std::vector<RecordingError> recording_errors;
   std::vector<std::string> warnings;
 
@@ -69,6 +71,7 @@ class Gathering {
   Calibration calibration_;
   std::vector<TwinConfig> soils_;
   std::map<const RunGrid*, std::array<double, channel_count>> left_open_;  ///< of levels, by the references
+  std::array<Start, channel_count> starts_;                                ///< by the references
   Left references_;
   std::vector<Left> measured_;  ///< by each of the explanations that tell the noise
   Evidence evidence_;

@@ -1,9 +1,12 @@
 #include "twin/noise.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "logs/statistics.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -26,13 +29,6 @@ double loss_by_level(double keep) {
   return std::sqrt((1.0 - white) / (1.0 - std::min(0.5, white * (1.0 + keep) / (1.0 - keep))));
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 std::vector<double> running_mean(const std::vector<double>& values) {
@@ -49,7 +45,9 @@ std::vector<double> running_mean(const std::vector<double>& values) {
   return result;
 }
 
-std::vector<double> without_level(const std::vector<double>& values) {
+std::vector<double> without_level(const std::vector<double>& course) {
+  // The windows at the ends lie to one side, where a straight line would be left.
+  const std::vector<double> values = course.size() > 2 ? logs::without_line(course) : course;
   const int n = static_cast<int>(values.size());
   const int half = std::min(level_window, n) / 2;
   const std::vector<double> level = running_mean(values);
@@ -66,7 +64,7 @@ std::vector<double> without_level(const std::vector<double>& values) {
 double robust_deviation(const std::vector<double>& values) {
   std::vector<double> magnitude;
   for (const double v : values) magnitude.push_back(std::abs(v));
-  return 1.4826 * median(std::move(magnitude));
+  return values.empty() ? 0.0 : 1.4826 * logs::median(std::move(magnitude));
 }
 
 NoiseFloor noise_floor(const logs::Experiment& experiment, double bin) {
@@ -147,7 +145,7 @@ std::array<double, channel_count> scatter_at_rest(const std::vector<const RunGri
         means.push_back(sum / static_cast<double>(bins.size()));
       }
     if (means.size() < 3) continue;
-    const double middle = median(means);
+    const double middle = logs::median(means);
     for (double& mean : means) mean -= middle;
     scatter[static_cast<std::size_t>(c)] = robust_deviation(means);
   }
@@ -200,6 +198,102 @@ std::vector<NoiseModel> noise_by_run(const NoiseModel& pooled, const std::vector
   return result;
 }
 
+namespace {
+
+/// A segment of a channel whose noise is white and has unit variance, but for what dies away from its start.
+struct Whitened {
+  Eigen::VectorXd residual;
+  Eigen::VectorXd start;  ///< of a start of size one; empty at rest
+};
+
+/// A vector whose covariance is 1 + d^2 u u^T made white, u being `direction`.
+void take_common(const Eigen::VectorXd& direction, double deviation, Eigen::VectorXd& vector) {
+  const double length = direction.squaredNorm();
+  if (!(deviation > 0.0 && length > 0.0)) return;
+  const double share = (1.0 - 1.0 / std::sqrt(1.0 + deviation * deviation * length)) / length;
+  vector -= share * direction.dot(vector) * direction;
+}
+
+/// What is left of a start at each bin of a moving segment.
+std::vector<double> start_left(const RunGrid& grid, const Segment& segment, double length) {
+  std::vector<double> left;
+  double travel = 0.0;
+  for (int i = segment.begin; i < segment.end; ++i) {
+    const auto& m = grid.motion[static_cast<std::size_t>(i)];
+    const double way =
+        grid.bin * std::max(std::abs(m.carriage_velocity), grid.radius * std::abs(m.wheel_rate));
+    left.push_back(std::exp(-(travel + 0.5 * way) / length));
+    travel += way;
+  }
+  return left;
+}
+
+Whitened whitened_segment(const RunGrid& grid, const Residual& residual, int row, const Segment& segment,
+                          const std::vector<int>& bins, const ChannelNoise& channel) {
+  const double keep = segment.moving ? channel.keep : 0.0;
+  const double deviation = segment.moving ? channel.deviation : channel.rest;
+  const double innovation = deviation * std::sqrt(1.0 - keep * keep);
+  const auto n = static_cast<Eigen::Index>(bins.size());
+  const auto white = [&](const auto& value) {
+    Eigen::VectorXd result(n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const int bin = bins[static_cast<std::size_t>(k)];
+      const bool follows = k > 0 && bin == bins[static_cast<std::size_t>(k) - 1] + 1;
+      result[k] = follows ? (value(bin) - keep * value(bin - 1)) / innovation : value(bin) / deviation;
+    }
+    return result;
+  };
+  const Eigen::VectorXd level = white([](int) { return 1.0; });
+  const double offset = segment.moving ? channel.run_offset : channel.rest_offset;
+  Whitened whitened{white([&](int bin) { return residual.bins(row, bin); }), {}};
+  take_common(level, offset, whitened.residual);
+  if (!segment.moving) return whitened;
+  const std::vector<double> left = start_left(grid, segment, channel.start.length);
+  whitened.start = white([&](int bin) { return left[static_cast<std::size_t>(bin - segment.begin)]; });
+  take_common(level, offset, whitened.start);
+  take_common(whitened.start, channel.start.deviation, whitened.residual);
+  return whitened;
+}
+
+}  // namespace
+
+std::array<Start, channel_count> starts_of(const NoiseModel& noise, const std::vector<const RunGrid*>& grids,
+                                           const std::vector<Residual>& residuals) {
+  constexpr double shortest = 0.25;  // radii; the longest is eight times that
+  constexpr int lengths = 4;
+  std::array<Start, channel_count> starts;
+  for (int c = 0; c < channel_rows; ++c) {
+    Start& best = starts[static_cast<std::size_t>(c)];
+    double most = 0.0;
+    for (int k = 0; k < lengths; ++k) {
+      ChannelNoise channel = noise[static_cast<std::size_t>(c)];
+      channel.start.length = shortest * (1 << k) * (grids.empty() ? 0.0 : grids.front()->radius);
+      if (!(channel.start.length > 0.0)) continue;
+      std::vector<double> found, information;
+      double square = 0.0;
+      for (std::size_t r = 0; r < grids.size(); ++r)
+        for (const Segment& segment : segments_of(*grids[r])) {
+          const std::vector<int> bins = measured_bins(*grids[r], c, segment);
+          if (bins.empty() || !segment.moving) continue;
+          const Whitened w = whitened_segment(*grids[r], residuals[r], c, segment, bins, channel);
+          information.push_back(w.start.squaredNorm());
+          found.push_back(w.start.dot(w.residual) / information.back());
+          // What noise alone would show is taken off.
+          square += found.back() * found.back() - 1.0 / information.back();
+        }
+      const double variance = found.empty() ? 0.0 : square / static_cast<double>(found.size());
+      if (!(variance > 0.0)) continue;
+      double gain = 0.0;  // of the log likelihood
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const double grown = 1.0 + variance * information[i];
+        gain += 0.5 * (found[i] * found[i] * information[i] * (1.0 - 1.0 / grown) - std::log(grown));
+      }
+      if (gain > most) most = gain, best = {std::sqrt(variance), channel.start.length};
+    }
+  }
+  return starts;
+}
+
 int whiten(const RunGrid& grid, const Residual& residual, const NoiseModel& noise, std::vector<double>& out,
            std::vector<int>* block, int first_block, double block_length) {
   const std::vector<Segment> segments = segments_of(grid);
@@ -211,28 +305,10 @@ int whiten(const RunGrid& grid, const Residual& residual, const NoiseModel& nois
     for (const Segment& segment : segments) {
       const std::vector<int> bins = measured_bins(grid, c, segment);
       if (bins.empty()) continue;
-      const double keep = segment.moving ? channel.keep : 0.0;
-      const double deviation = segment.moving ? channel.deviation : channel.rest;
-      const double offset = segment.moving ? channel.run_offset : channel.rest_offset;
-      const double innovation = deviation * std::sqrt(1.0 - keep * keep);
-      const std::size_t start = out.size();
-      double along = 0.0, length = 0.0;  // of the whitened residual on the whitened offset
-      std::vector<double> direction;
-      for (std::size_t k = 0; k < bins.size(); ++k) {
-        const bool follows = k > 0 && bins[k] == bins[k - 1] + 1;
-        const double e = residual.bins(c, bins[k]);
-        const double u = follows ? (e - keep * residual.bins(c, bins[k - 1])) / innovation : e / deviation;
-        const double a = follows ? (1.0 - keep) / innovation : 1.0 / deviation;
-        out.push_back(u);
-        direction.push_back(a);
-        along += a * u;
-        length += a * a;
-        if (block != nullptr) block->push_back(block_of(bins[k]));
-      }
-      if (offset > 0.0 && length > 0.0) {
-        const double shrink = (1.0 - 1.0 / std::sqrt(1.0 + offset * offset * length)) * along / length;
-        for (std::size_t k = 0; k < direction.size(); ++k) out[start + k] -= shrink * direction[k];
-      }
+      const Whitened whitened = whitened_segment(grid, residual, c, segment, bins, channel);
+      out.insert(out.end(), whitened.residual.data(), whitened.residual.data() + whitened.residual.size());
+      if (block != nullptr)
+        for (const int bin : bins) block->push_back(block_of(bin));
     }
   }
   for (std::size_t w = 0; w < grid.windows.size(); ++w) {

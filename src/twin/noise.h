@@ -1,7 +1,8 @@
 // What a perfect twin would still show: noise of the gridded channels, estimated from data. While the wheel
-// moves, a first-order autoregressive process (granular fluctuation) and an offset of each run (packing, what
-// the baseline misses); at rest, sensor noise about an offset of each run. Whitening is linear, so that least
-// squares on whitened residuals is maximum likelihood for that model.
+// moves, a first-order autoregressive process (granular fluctuation), an offset of each run (packing, what
+// the baseline misses) and what the twin misses of how a wheel leaves its print; at rest, sensor noise about
+// an offset of each run. Whitening is linear, so that least squares on whitened residuals is maximum
+// likelihood for that model.
 #pragma once
 
 #include <array>
@@ -12,10 +13,18 @@
 
 namespace wheel_twin::twin {
 
+/// What a run shows on top as its wheel leaves its print. It dies away as exp(-x/length) over the travel x of
+/// rim or carriage, the longer of both.
+struct Start {
+  double deviation = 0.0;
+  double length = 0.1;  ///< m
+};
+
 struct ChannelNoise {
-  double deviation = 0.0;    ///< of a bin while moving, about the run's offset
-  double keep = 0.0;         ///< correlation of neighbouring bins
-  double run_offset = 0.0;   ///< deviation of the offset of a run while moving
+  double deviation = 0.0;   ///< of a bin while moving, about the run's offset
+  double keep = 0.0;        ///< correlation of neighbouring bins
+  double run_offset = 0.0;  ///< deviation of the offset of a run while moving
+  Start start;
   double rest = 0.0;         ///< deviation of a bin at rest
   double rest_offset = 0.0;  ///< deviation of the offset of a run at rest
 };
@@ -45,6 +54,10 @@ NoiseModel estimate_noise(const std::vector<const RunGrid*>& grids, const std::v
 std::array<double, channel_count> scatter_at_rest(const std::vector<const RunGrid*>& grids,
                                                   const std::vector<Residual>& residuals);
 
+/// What runs show beyond `noise` as they start, by channel: the likeliest of a few lengths.
+std::array<Start, channel_count> starts_of(const NoiseModel& noise, const std::vector<const RunGrid*>& grids,
+                                           const std::vector<Residual>& residuals);
+
 /// Weight of each of `grids` (sum 1) as a witness for `run`: those nearest in slip and load count.
 std::vector<double> nearness(const std::vector<const RunGrid*>& grids, const RunGrid& run);
 
@@ -64,8 +77,9 @@ int whiten(const RunGrid& grid, const Residual& residual, const NoiseModel& nois
 /// Running mean over about 30 values: the slow course.
 std::vector<double> running_mean(const std::vector<double>& values);
 
-/// Values less their running mean (about 30 bins), scaled so that white noise keeps its variance.
-std::vector<double> without_level(const std::vector<double>& values);
+/// Values less their straight line and their running mean (about 30 bins), scaled so that white noise keeps
+/// its variance.
+std::vector<double> without_level(const std::vector<double>& course);
 
 /// Standard deviation that a few outliers (a jump, a rock) do not move: 1.4826 times the median magnitude.
 double robust_deviation(const std::vector<double>& values);

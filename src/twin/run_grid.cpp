@@ -209,6 +209,7 @@ RunGrid grid_of(const logs::Run& declared, const std::string& name, const run_lo
   grid.name = name;
   grid.declared = declared;
   grid.bin = options.bin;
+  grid.radius = radius;
   const double start = first_stamp(log);
   const double end = log.joints.time.back();
   const int n = static_cast<int>((end - start) / options.bin);
@@ -285,6 +286,7 @@ RunGrid grid_of_averages(const logs::Run& declared, const std::string& name, dou
   grid.name = name;
   grid.declared = declared;
   grid.bin = options.bin;
+  grid.radius = radius;
   const int n = std::max(5, static_cast<int>(std::ceil(declared.averages->window_end / options.bin)));
   const rig::Speeds speeds = rig::speeds_of_slip(declared.slip, declared.wheel_speed, radius);
   grid.measured.setConstant(channel_rows, n, missing);
@@ -309,6 +311,7 @@ RunGrid condensed(const RunGrid& grid, int bins) {
   RunGrid result;
   result.name = grid.name;
   result.declared = grid.declared;
+  result.radius = grid.radius;
   std::vector<int> moving;
   for (int i = 0; i < grid.bins(); ++i)
     if (grid.moving[static_cast<std::size_t>(i)]) moving.push_back(i);

@@ -37,6 +37,7 @@ struct RunGrid {
   std::string name;  ///< the bag's file name, or `run_<index>` without one
   logs::Run declared;
   double bin = 0.2;          ///< s
+  double radius = 0.0;       ///< of the wheel, m
   rig::MotionSeries motion;  ///< at the bin centres, time from the start of the run
   Eigen::Matrix<double, channel_rows, Eigen::Dynamic> measured;  ///< NaN: not measured or masked
   Eigen::VectorXd slip;                                          ///< of the measured speeds, by bin

@@ -87,6 +87,29 @@ TEST_F(ClockLagTest, IsNotTakenFromAHubThatIsLateByFits) {
   for (const auto& run : lag.by_run) EXPECT_TRUE(run.empty());
 }
 
+TEST_F(ClockLagTest, HasAMeanWhereItIsNoChance) {
+  EXPECT_NEAR(found([](double, double) { return -0.15; }).mean(), -0.15, 0.03);
+  EXPECT_EQ(found([](double, double) { return 0.0; }).mean(), 0.0);
+  EXPECT_EQ(ClockLag{}.mean(), 0.0);
+}
+
+TEST(MaskAboutChanges, TakesTheWiresReadingsThatAreOfTheOtherSide) {
+  const auto hub = static_cast<Eigen::Index>(index_of(Channel::hub_displacement));
+  const auto masked = [&](double seconds) {
+    RunGrid run = steady_run(0.2, 42.1, 30);  // bins of 0.5 s
+    for (const int change : {9, 10}) run.measured.col(change).setConstant(std::nan(""));
+    mask_about_changes(seconds, run);
+    EXPECT_EQ(run.measured.row(0).array().isNaN().count(), 2) << "the other channels are not late";
+    std::vector<int> bins;
+    for (int i = 0; i < run.bins(); ++i)
+      if (std::isnan(run.measured(hub, i))) bins.push_back(i);
+    return bins;
+  };
+  EXPECT_EQ(masked(0.0), (std::vector<int>{9, 10}));
+  EXPECT_EQ(masked(0.3), (std::vector<int>{9, 10, 11}));
+  EXPECT_EQ(masked(-0.7), (std::vector<int>{7, 8, 9, 10}));
+}
+
 TEST_F(ClockLagTest, NeedsReferenceRuns) {
   found([](double, double) { return 0.1; });
   const ClockLag lag = clock_lag({&grids_[4], &grids_[5]}, {&grids_[0], &grids_[1]});
