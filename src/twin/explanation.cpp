@@ -120,11 +120,14 @@ Explanation Weighing::operator()(const Candidate& candidate) const {
     return e;
   }
   e.left = ask_residual(evidence_, candidate.model, !candidate.effects.empty());
-  e.of_soil = !runs_.calibrated() &&
-              std::any_of(candidate.effects.begin(), candidate.effects.end(), changes_soil) &&
-              plain_features(omnibus_, {}, nothing_.model).empty();
   const Errors left = errors_of(runs_.measured, nothing_.model, candidate.model, evidence_.noise);
   const Errors errors = with_floors_of(noise_, runs_.measured, left);
+  const bool fits = std::all_of(errors.begin(), errors.end(), [](const auto& entry) {
+    return !(entry.second.before > plainly_wrong * entry.second.noise_floor);
+  });
+  e.of_soil = !runs_.calibrated() && fits &&
+              std::any_of(candidate.effects.begin(), candidate.effects.end(), changes_soil) &&
+              plain_features(omnibus_, {}, nothing_.model).empty();
   e.ratio = worst_ratio(errors);
   if (!runs_.held_out.empty()) {
     const Errors held_out =
