@@ -93,4 +93,11 @@ inline double hub_rise(const Ports& ports, const RigState& state) {
   return rise;
 }
 
+/// How late all of `ports` make the draw wire's stamps, s.
+inline double draw_wire_delay(const Ports& ports) {
+  double delay = 0.0;
+  for (const SensorPort* port : ports.sensor) delay += port->draw_wire_delay();
+  return delay;
+}
+
 }  // namespace wheel_twin::rig

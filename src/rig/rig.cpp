@@ -153,11 +153,7 @@ class Rig::Impl {
 
   const RigStep& step() const { return step_; }
 
-  double draw_wire_delay() const {
-    double delay = 0.0;
-    for (const SensorPort* port : ports_.sensor) delay += port->draw_wire_delay();
-    return delay;
-  }
+  double draw_wire_delay() const { return rig::draw_wire_delay(ports_); }
 
  private:
   const RigState& state() const { return step_.state; }

@@ -179,26 +179,15 @@ std::vector<double> run_residuals(const Evidence& evidence, std::size_t run, con
 double zero_of(const TwinConfig& model, const RunGrid& run) {
   rig::RigState state;
   state.wheel_angle = run.motion.front().wheel_angle;
-  double displacement = 0.0;
-  for (const EffectSetting& setting : model.effects) {
-    const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
-    rig::Ports ports;
-    effect->attach(ports);
-    displacement -= rig::hub_rise(ports, state);
-    for (const rig::SensorPort* port : ports.sensor) port->change_displacement(state, 0.0, displacement);
-  }
-  return displacement - draw_wire_delay(model) * (run.touch ? run.touch->speed : 0.0);
+  const Acting acting = acting_effects(model);
+  double displacement = -rig::hub_rise(acting.ports, state);
+  for (const rig::SensorPort* port : acting.ports.sensor) port->change_displacement(state, 0.0, displacement);
+  return displacement - rig::draw_wire_delay(acting.ports) * (run.touch ? run.touch->speed : 0.0);
 }
 
 double draw_wire_delay(const TwinConfig& model) {
-  double delay = 0.0;
-  for (const EffectSetting& setting : model.effects) {
-    const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
-    rig::Ports ports;
-    effect->attach(ports);
-    for (const rig::SensorPort* port : ports.sensor) delay += port->draw_wire_delay();
-  }
-  return delay;
+  const Acting acting = acting_effects(model);
+  return rig::draw_wire_delay(acting.ports);
 }
 
 std::vector<double> chi_squares(const Evidence& evidence, const TwinConfig& model,
@@ -363,12 +352,6 @@ std::vector<double> searched_from(const Problem& problem, std::vector<double> st
   return start;
 }
 
-bool is_friction(const Evidence& evidence, const EffectSetting& effect) {
-  TwinConfig alone = evidence.baseline;
-  alone.effects = {effect};
-  return sticks(alone);
-}
-
 /// Starts of friction of every size with the effects beside it where a fit without it puts them: friction
 /// holds the hub wherever a fit begins, and what it was found to be beside one effect it is not beside
 /// another. Empty where there is no friction, or nothing beside it that is not known.
@@ -379,7 +362,7 @@ Starts starts_beside_friction(const Problem& problem, const std::vector<std::str
   std::vector<std::string> beside;
   std::vector<std::vector<double>> known_beside;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    if (is_friction(problem.evidence, {names[k], first[k]})) continue;
+    if (is_friction({names[k], first[k]})) continue;
     beside.push_back(names[k]);
     if (k < known.size()) known_beside.push_back(known[k]);
   }
@@ -405,7 +388,7 @@ double foretold_chi_square(const Evidence& evidence, const std::vector<std::stri
   std::vector<std::string> looked_at;
   std::vector<std::vector<double>> values;
   for (std::size_t k = 0; k < names.size(); ++k) {
-    if (k < known.size() && is_friction(evidence, {names[k], known[k]})) continue;
+    if (k < known.size() && is_friction({names[k], known[k]})) continue;
     looked_at.push_back(names[k]);
     if (k < known.size()) values.push_back(known[k]);
   }

@@ -34,14 +34,6 @@ LogDeviation on_uneven_bed(const TwinConfig& model, const RunGrid& grid, const U
   }
 }
 
-bool is_friction(const EffectSetting& setting) {
-  const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
-  rig::Ports ports;
-  effect->attach(ports);
-  return std::any_of(ports.rig.begin(), ports.rig.end(),
-                     [](const rig::RigPort* port) { return port->coulomb_friction({}) > 0.0; });
-}
-
 /// While moving, of the bins from `begin` up to `end`.
 LogDeviation log_deviation_between(const RunGrid& grid, const Predicted& rows, int begin, int end) {
   LogDeviation result;
@@ -204,6 +196,14 @@ std::optional<double> common_tone(const std::vector<const RunGrid*>& grids,
     if (2 * static_cast<std::size_t>(alike) > grids.size()) return middle;
   }
   return std::nullopt;
+}
+
+bool is_friction(const EffectSetting& setting) {
+  const auto effect = effects::make_effect(effects::find_effect(setting.name), setting.values);
+  rig::Ports ports;
+  effect->attach(ports);
+  return std::any_of(ports.rig.begin(), ports.rig.end(),
+                     [](const rig::RigPort* port) { return port->coulomb_friction({}) > 0.0; });
 }
 
 bool sticks(const TwinConfig& model) {

@@ -51,7 +51,10 @@ std::vector<LogDeviation> fluctuation_beyond(const FluctuationModel& fluctuation
 std::optional<double> common_tone(const std::vector<const RunGrid*>& grids,
                                   const std::vector<Residual>& residuals);
 
-/// Whether something holds the slide by friction.
+/// Whether an effect holds the slide by friction.
+bool is_friction(const EffectSetting& setting);
+
+/// Whether any effect of a twin does.
 bool sticks(const TwinConfig& model);
 
 /// A twin less the effects that rub in the guide.
