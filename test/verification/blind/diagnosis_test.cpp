@@ -101,6 +101,12 @@ TEST_F(Loop, AnEccentricWheelIsNamedBesideASensorThatReadsTooMuch) {
   EXPECT_EQ(named(found).size(), 2u) << found.evidence;
 }
 
+// Each alone puts the pull of runs held out further off than it was.
+TEST_F(Loop, TwoEffectsAreNamedOfWhichEachAloneForetellsWorseThanNone) {
+  EXPECT_EQ(named(diagnosis_of({{"carriage_speed_error", {-0.045}}, {"ft_crosstalk", {2.5}}})),
+            (std::vector<std::string>{"carriage_speed_error", "ft_crosstalk"}));
+}
+
 // A creeping wire follows the clock, a tilted bed the distance.
 TEST_F(Loop, ACreepingWireIsToldFromATiltedBed) {
   EXPECT_EQ(named(diagnosis_of({{"draw_wire_drift", {6e-5}}})), std::vector<std::string>{"draw_wire_drift"});
