@@ -33,6 +33,8 @@ void add_diagnose(CLI::App& app) {
         twin::diagnose(logs::read_experiment(options->experiment), options->diagnosis);
     twin::write_diagnosis(diagnosis, options->out);
     fmt::print("{}: {}\n{}\n", diagnosis.experiment, diagnosis.verdict, diagnosis.evidence);
+    for (const twin::Check& check : diagnosis.checks)
+      fmt::print("Check for {}: {}\n", check.effect, check.what);
     for (const auto& [channel, e] : diagnosis.error)
       fmt::print("{:<17} RMSE before {:.3g}, after {:.3g}, noise floor {:.3g} {}\n", twin::name_of(channel),
                  twin::shown_factor(channel) * e.before, twin::shown_factor(channel) * e.after,

@@ -322,6 +322,7 @@ Diagnosis diagnose(const logs::Experiment& experiment, const DiagnosisOptions& o
   if (!runs.held_out.empty())
     d.held_out_error = errors_of(runs.held_out, d.before, d.revised, trace.weighing->held_out_noise());
   d.left = ask_residual(evidence, d.revised, found);
+  if (found) d.checks = checks_of(best.candidate.effects);
   d.evidence = verdict_text(d, {evidence, trace.nothing, best.candidate, best.explanation, best.p,
                                 trace.likelier(), certified, something, corrections});
   return d;

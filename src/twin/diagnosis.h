@@ -30,6 +30,12 @@ struct Ranked {
   double probability = 0.0;
 };
 
+/// What a person should look at on the rig because of an effect.
+struct Check {
+  std::string effect;
+  std::string what;
+};
+
 struct Diagnosis {
   std::string experiment;
   std::string verdict;  ///< no_residual, effect_found, unexplained
@@ -45,6 +51,7 @@ struct Diagnosis {
   std::vector<std::string> warnings;
   std::vector<RecordingError> recording_errors;  ///< found and put right before any physics
   std::string evidence;
+  std::vector<Check> checks;                         ///< of the effects that `evidence` speaks for
   std::map<std::string, double> effect_probability;  ///< where it is not that of the leading candidate
   std::vector<RunGrid> grids;                        ///< of every run, for plots
   std::optional<SteadyReport> steady;                ///< runs known by window means only

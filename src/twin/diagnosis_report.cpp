@@ -177,13 +177,18 @@ std::string diagnosis_json(const Diagnosis& d) {
   json["recording_errors"] = Json::array();
   for (const RecordingError& error : d.recording_errors)
     json["recording_errors"].push_back({{"what", error.what}, {"runs", error.runs}});
-  json["evidence"] = d.evidence;
+  std::string evidence = d.evidence;
+  for (const Check& check : d.checks) evidence += fmt::format(" {}: {}", check.effect, check.what);
+  json["evidence"] = evidence;
   return json.dump(1) + "\n";
 }
 
 std::string diagnosis_page(const Diagnosis& d) {
   std::string html = page::heading("Diagnosis of " + d.experiment, headline(d));
   html += page::paragraph(d.evidence);
+  if (!d.checks.empty()) html += "<h2>What to check on the rig</h2>";
+  for (const Check& check : d.checks)
+    html += "<p><strong>" + page::escaped(check.effect) + "</strong>: " + page::escaped(check.what) + "</p>";
   for (const RecordingError& error : d.recording_errors)
     html += page::note(fmt::format("Recording: {} ({} runs).", error.what, error.runs.size()));
   for (const std::string& warning : d.warnings) html += page::note("Note: " + warning);

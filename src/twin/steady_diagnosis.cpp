@@ -19,6 +19,7 @@
 #include "twin/separating_run.h"
 #include "twin/steady_evidence.h"
 #include "twin/steady_selection.h"
+#include "twin/verdict_text.h"
 
 namespace wheel_twin::twin {
 namespace {
@@ -396,10 +397,7 @@ void diagnose_by_means(const logs::Experiment& experiment, const DiagnosisOption
               ? " Several explanations do about as well, so that none is named; they stand among the "
                 "candidates."
               : fmt::format(" Yet it leaves {:.1f} times that scatter: something else acts.", ratio);
-    for (const std::string& name : found) {
-      const effects::EffectType& type = effects::find_effect(name);
-      d.evidence += fmt::format(" {}: {} {}", name, type.advice, type.identifiability);
-    }
+    d.checks = checks_of(found);
   }
   if (!remainder.empty()) d.evidence += " What is left on groups left out: " + remainder + ".";
   if (!separate.empty()) d.evidence += " " + separate;

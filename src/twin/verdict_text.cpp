@@ -32,15 +32,11 @@ std::string found(const Diagnosis& d, const Grounds& g) {
       runner = fmt::format("{} (probability {:.2g})", effect_list(r.candidate.effects), r.probability);
       break;
     }
-  std::string text = fmt::format(
+  const std::string text = fmt::format(
       "The residual shows: {}{}. {} explains it, fitted on one half of the runs and predicting the other "
       "(corrected p = {:.2g}); runner-up: {}.",
       describe(d.omnibus), correlations(g.evidence, g.nothing.model), effect_list(g.best.effects), g.p_best,
       runner);
-  for (const std::string& name : g.best.effects) {
-    const effects::EffectType& type = effects::find_effect(name);
-    text += fmt::format(" {}: {} {}", name, type.advice, type.identifiability);
-  }
   if (g.corrections.empty()) return text;
   std::vector<std::string> names;
   for (const Channel channel : g.corrections) names.emplace_back(name_of(channel));
@@ -104,6 +100,15 @@ std::string unexplained(const Diagnosis& d, const Grounds& g) {
 }
 
 }  // namespace
+
+std::vector<Check> checks_of(const std::vector<std::string>& effects) {
+  std::vector<Check> checks;
+  for (const std::string& name : effects) {
+    const effects::EffectType& type = effects::find_effect(name);
+    checks.push_back({name, type.advice + " " + type.identifiability});
+  }
+  return checks;
+}
 
 std::string verdict_text(const Diagnosis& diagnosis, const Grounds& grounds) {
   std::string text = told(diagnosis.recording_errors);

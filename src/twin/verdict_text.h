@@ -22,6 +22,8 @@ struct Grounds {
   std::vector<Channel> corrections;  ///< of the revised twin
 };
 
+std::vector<Check> checks_of(const std::vector<std::string>& effects);
+
 /// Of a diagnosis whose verdict and candidates are set.
 std::string verdict_text(const Diagnosis& diagnosis, const Grounds& grounds);
 

@@ -52,6 +52,8 @@ TEST_F(Loop, AMisalignedSensorIsNamedWithItsAngles) {
   ASSERT_EQ(best.effects, std::vector<std::string>{"ft_misalignment"});
   EXPECT_NEAR(best.values[0][0], 0.04, 0.006);  // 15 %
   EXPECT_NEAR(best.values[0][1], -0.03, 0.0045);
+  ASSERT_EQ(found.checks.size(), 1U);
+  EXPECT_EQ(found.checks[0].effect, "ft_misalignment");
 }
 
 TEST_F(Loop, ACompactedSoilIsNamedWithItsShare) {
