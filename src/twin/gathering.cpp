@@ -116,8 +116,9 @@ RunsByRole usable_runs(const std::string& experiment, const TwinConfig& declared
     result.measured = kept;
   }
   result.clock = clock_lag(result.measured, result.references);
+  const double late = result.clock.mean();
   for (RunGrid& grid : grids)
-    if (grid.declared.role != logs::Role::reference) mask_about_changes(result.clock.mean(), grid);
+    if (grid.declared.role != logs::Role::reference) mask_about_changes(late, grid);
   return result;
 }
 

@@ -276,6 +276,7 @@ std::array<Start, channel_count> starts_of(const NoiseModel& noise, const std::v
           const std::vector<int> bins = measured_bins(*grids[r], c, segment);
           if (bins.empty() || !segment.moving) continue;
           const Whitened w = whitened_segment(*grids[r], residuals[r], c, segment, bins, channel);
+          if (!(w.start.squaredNorm() > 0.0)) continue;  // begins long after the start
           information.push_back(w.start.squaredNorm());
           found.push_back(w.start.dot(w.residual) / information.back());
           // What noise alone would show is taken off.
